@@ -171,16 +171,17 @@ impl Problem<'_> {
             return self.of_set(set);
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
-        // No curvature agrees with all rolls. If active pads alternate at edges, the pads are not exact: move all edges
-        // outward by the largest distance over which pads alternate.
+        // The rough fit is not accurate enough for a very small set, and for a comparison of the rolls.
+        let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
+        // If no curvature agrees with all rolls, but active pads alternate at edges, the pads are not exact: move all
+        // edges outward by the largest distance over which pads alternate.
         let width = self.chatter(&fit.shape);
-        if let (true, Some(set)) = (width > 0.0, self.set(cell, data, Some(fit), width)) {
+        let mut sets = [0.0, width].into_iter();
+        if let Some(set) = sets.find_map(|width| self.set(cell, data, Some(&fit), width)) {
             return self.of_set(set);
         }
         // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
         // most.
-        // The rough fit is not accurate enough for a comparison of the rolls.
-        let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
         self.p_values(data, &fit);
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);

@@ -4,6 +4,7 @@ use csv::{ReaderBuilder, StringRecord, Terminator};
 use palpate_study::readings::spelt;
 
 use super::error::RecordedError;
+use super::file::RecordedFile;
 use super::heading::{bracketed, has_unit};
 use super::table_format::Delimiter;
 use super::text_table::{Record, RowResult, Text, comment};
@@ -76,13 +77,21 @@ impl<'a> DelimitedText<'a> {
     }
 
     /// Calls `take` for every row that is not blank, no comment and no copy of the header, as in files that were joined.
-    /// A row of the right length that contains numbers is no comment. Each row is one line, because the table was rejected earlier if a
-    /// quoted field continues in the next line.
-    pub(super) fn rows(&self, mut take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
+    /// A row of the right length that contains numbers is no comment. Each row is one line, because the table was
+    /// rejected earlier if a quoted field continues in the next line.
+    pub(super) fn rows(
+        &self,
+        file: &RecordedFile,
+        mut take: impl FnMut(Record<'_>) -> RowResult,
+    ) -> RowResult {
         let (mut fields, mut before) = (StringRecord::new(), None);
         let mut rows = self.text.rows_after(0);
-        let heading: Vec<_> = rows.by_ref().take(self.heading).collect();
-        for (row, line) in rows.filter(|(row, _)| heading.iter().all(|one| one.0 != *row)) {
+        let heading = rows.by_ref().take(self.heading);
+        let heading: Vec<&str> = heading.map(|(row, _)| row).collect();
+        let mut read = |row: &str, line: usize| {
+            if heading.contains(&row) {
+                return Ok(());
+            }
             match row.trim_end_matches('\r') {
                 row if self.delimiter == Delimiter::Space || row.contains('"') => {
                     fields = split(self.text, row, self.delimiter);
@@ -94,16 +103,24 @@ impl<'a> DelimitedText<'a> {
                 }
             }
             if comment(row).is_some() && (fields.len() != self.columns || !has_number(&fields)) {
-                continue;
+                return Ok(());
             }
+            let is_after_gap = before.is_some_and(|before| line > before + 1);
+            before = Some(line);
             take(Record {
                 line,
-                is_after_gap: before.is_some_and(|before| line > before + 1),
+                is_after_gap,
                 fields: &fields,
-            })?;
-            before = Some(line);
-        }
-        Ok(())
+            })
+        };
+        rows.try_for_each(|(row, line)| read(row, line))?;
+        let line = self.text.line + self.text.lines().count();
+        file.rest((line, self.text.end), |row, line| {
+            match row.trim().is_empty() {
+                true => Ok(()),
+                false => read(row, line),
+            }
+        })
     }
 }
 

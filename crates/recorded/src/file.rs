@@ -1,7 +1,8 @@
 //! Recorded files: the bytes of a file, and its name in messages.
 
-use std::io::Read;
-use std::path::Path;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
 
 use palpate_study::{read_all, read_limited};
 
@@ -10,6 +11,11 @@ use super::table_format::Form;
 
 /// Largest size of a recorded file, MiB.
 const MAX_MIB: u64 = 256;
+/// Larger tables of delimited text are not read into memory as a whole, but line by line. Only their first lines, up to
+/// this size in bytes, are in memory.
+const MAX_START: u64 = 64 << 20;
+/// Longest line of a table that is read line by line, in bytes. A longer line is split, so its rows are then rejected.
+const MAX_LINE: u64 = 1 << 20;
 
 /// First bytes of files that are not text, with the name of the format.
 const FORMATS: [(&[u8], &str); 12] = [
@@ -40,6 +46,8 @@ pub struct RecordedFile {
     pub bytes: Vec<u8>,
     /// Settings that describe the form of the file's table.
     pub form: Form,
+    /// The file from which the lines after `bytes` are read; `None` if `bytes` is the whole file.
+    rest: Option<PathBuf>,
 }
 
 impl RecordedFile {
@@ -49,16 +57,21 @@ impl RecordedFile {
             name: name.into(),
             bytes: without_nan(bytes),
             form: Form::default(),
+            rest: None,
         }
     }
 
-    /// Reads a file.
+    /// Reads a file. Of a large table of delimited text, only the first lines are read into memory.
     ///
     /// # Errors
     /// [`RecordedError::File`] if the file does not exist or cannot be read.
     pub fn read(path: &Path) -> Result<Self, RecordedError> {
         let name = path.display().to_string();
-        let file = Self::new(name.clone(), Vec::new());
+        let mut file = Self::new(name.clone(), Vec::new());
+        if let Some(start) = start_of_text(path) {
+            (file.bytes, file.rest) = (start, Some(path.to_owned()));
+            return Ok(file);
+        }
         let bytes = read_limited(path, MAX_MIB).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => file.error("no such file"),
             std::io::ErrorKind::IsADirectory => file.error("is a directory, not a file"),
@@ -92,6 +105,14 @@ impl RecordedFile {
     /// The file's UTF-8 text, without the byte order mark. If the file is empty, the error message states the expected
     /// contents `needed`.
     pub(super) fn text(&self, needed: &str) -> Result<&str, RecordedError> {
+        match self.rest {
+            Some(_) => Err(self.error(format!("is larger than {} MiB; {needed}", MAX_START >> 20))),
+            None => self.start(needed),
+        }
+    }
+
+    /// The part of the text that is in memory, which is the whole text unless the file is large.
+    pub(super) fn start(&self, needed: &str) -> Result<&str, RecordedError> {
         let bytes = self.bytes.as_slice();
         let mut formats = FORMATS.iter();
         if let Some((_, message)) = formats.find(|(magic, _)| bytes.starts_with(magic)) {
@@ -102,17 +123,44 @@ impl RecordedFile {
                 self.error("has bytes 0, so it is UTF-16 text or no text; save it as UTF-8")
             );
         }
-        let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes))?;
+        let text = self.utf8(bytes.strip_prefix(&[0xef, 0xbb, 0xbf]).unwrap_or(bytes), 1)?;
         if text.trim().is_empty() {
             return Err(self.error(format!("is empty; {needed}")));
         }
         Ok(text)
     }
 
-    fn utf8<'a>(&self, bytes: &'a [u8]) -> Result<&'a str, RecordedError> {
+    /// Calls `take` with each line after [`start`](Self::start), and with the number of the line. `line` is the number of
+    /// the first of these lines. The lines end with `end`.
+    pub(super) fn rest(
+        &self,
+        (mut line, end): (usize, char),
+        mut take: impl FnMut(&str, usize) -> Result<(), RecordedError>,
+    ) -> Result<(), RecordedError> {
+        let Some(path) = &self.rest else {
+            return Ok(());
+        };
+        let fail = |error: std::io::Error| self.error(format!("cannot be read: {error}"));
+        let mut file = File::open(path).map_err(fail)?;
+        file.seek(SeekFrom::Start(self.bytes.len() as u64))
+            .map_err(fail)?;
+        let (mut file, mut bytes) = (BufReader::new(file), Vec::new());
+        loop {
+            bytes.clear();
+            let mut limited = (&mut file).take(MAX_LINE);
+            if limited.read_until(end as u8, &mut bytes).map_err(fail)? == 0 {
+                return Ok(());
+            }
+            take(self.utf8(&bytes, line)?.trim_end_matches(end), line)?;
+            line += 1;
+        }
+    }
+
+    /// The text `bytes`, which begins at the line `first`.
+    fn utf8<'a>(&self, bytes: &'a [u8], first: usize) -> Result<&'a str, RecordedError> {
         std::str::from_utf8(bytes).map_err(|error| {
             let (before, rest) = bytes.split_at(error.valid_up_to());
-            let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let line = before.iter().filter(|&&byte| byte == b'\n').count() + first;
             let byte = rest.first().copied().unwrap_or_default();
             self.error(format!(
                 "is not UTF-8 text: byte 0x{byte:02x} in line {line}; save it as UTF-8"
@@ -124,15 +172,7 @@ impl RecordedFile {
 /// Puts quotation marks around the tokens that Python writes into JSON for numbers that are not finite. JSON has no such
 /// tokens. Rows with these texts are left out.
 fn without_nan(bytes: Vec<u8>) -> Vec<u8> {
-    let mut start = bytes
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(&bytes)
-        .trim_ascii_start();
-    while start.starts_with(b"#") || start.starts_with(b"%") || start.starts_with(b"//") {
-        let end = start.iter().position(|byte| *byte == b'\n');
-        start = start[end.unwrap_or(start.len())..].trim_ascii_start();
-    }
-    if !start.starts_with(b"{") && !start.starts_with(b"[") {
+    if !is_json(&bytes) {
         return bytes;
     }
     let tokens: [&[u8]; 3] = [b"NaN", b"Infinity", b"-Infinity"];
@@ -160,4 +200,31 @@ fn without_nan(bytes: Vec<u8>) -> Vec<u8> {
     }
     changed.extend_from_slice(&bytes[copied..]);
     changed
+}
+
+/// Whether the text begins like JSON, apart from comments.
+fn is_json(bytes: &[u8]) -> bool {
+    let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut start = start.trim_ascii_start();
+    while start.starts_with(b"#") || start.starts_with(b"%") || start.starts_with(b"//") {
+        let end = start.iter().position(|byte| *byte == b'\n');
+        start = start[end.unwrap_or(start.len())..].trim_ascii_start();
+    }
+    start.starts_with(b"{") || start.starts_with(b"[")
+}
+
+/// The first lines of a large file of delimited text; `None` for other files.
+fn start_of_text(path: &Path) -> Option<Vec<u8>> {
+    let file = File::open(path).ok()?;
+    let metadata = file.metadata().ok()?;
+    if !metadata.is_file() || metadata.len() <= MAX_START {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    file.take(MAX_START).read_to_end(&mut bytes).ok()?;
+    let last = |end: u8| bytes.iter().rposition(|&byte| byte == end);
+    let end = last(b'\n').or_else(|| last(b'\r'))? + 1;
+    bytes.truncate(end);
+    let is_text = !bytes.contains(&0) && !is_json(&bytes) && std::str::from_utf8(&bytes).is_ok();
+    is_text.then_some(bytes)
 }

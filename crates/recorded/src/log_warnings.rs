@@ -16,7 +16,7 @@ use palpate_study::config::LengthUnit;
 use super::glide_recording::GlideRecording;
 use super::shape_report::is_undetermined;
 
-const LISTED_ROWS: usize = 10;
+pub(super) const LISTED_ROWS: usize = 10;
 /// If the noise is correlated, several consecutive contacts count as one independent contact. A warning is shown if
 /// their number exceeds this value.
 const MIN_CORRELATION: f64 = 1.5;

@@ -12,10 +12,15 @@ use super::decimal::{DecimalSign, is_missing, number};
 use super::delimited_text::{has_number, tidy};
 use super::error::RecordedError;
 use super::header::{Header, Place};
-use super::log_warnings::listed;
+use super::log_warnings::{LISTED_ROWS, listed};
 use super::source::ReadingSource;
 use super::table_format::{Decimal, Delimiter, pair};
 use super::text_table::TextTable;
+
+/// Largest number of rows of a table.
+const MAX_ROWS: usize = 5_000_000;
+/// Rows of time series are thinned out if there are more than this number.
+const MAX_DENSE_ROWS: usize = 1 << 20;
 
 /// Maximum size of all columns that palpate does not use, MiB.
 const MAX_EXTRA_MIB: usize = 256;
@@ -41,6 +46,17 @@ impl ReadingTable {
         table: &TextTable<'_>,
         columns: &[Column],
         may: &[Column],
+    ) -> Result<Self, RecordedError> {
+        Self::thinned(table, columns, may, |_| false)
+    }
+
+    /// Like [`read`](Self::read), but if the table has very many rows, leaves out some of the rows between others.
+    /// `is_spare` states whether the middle one of three successive rows may be left out.
+    pub(super) fn thinned(
+        table: &TextTable<'_>,
+        columns: &[Column],
+        may: &[Column],
+        is_spare: impl Fn([&[f64]; 3]) -> bool,
     ) -> Result<Self, RecordedError> {
         let form = &table.file.form;
         let fail = |message| table.file.fail(table.header_line, message);
@@ -78,12 +94,20 @@ impl ReadingTable {
             !is_read && !table.header[*index].is_empty()
         };
         let others: Vec<usize> = (0..table.header.len()).filter(is_other).collect();
-        let (mut lines, mut numbers, mut after_gaps) = (Vec::new(), Vec::new(), Vec::new());
         let names = others.iter().map(|&index| table.header[index].clone());
-        let mut extras = ExtraColumns::new(names.collect());
+        let mut all = Self {
+            source: ReadingSource::new(&table.file.name, Vec::new()),
+            after_gaps: Vec::new(),
+            numbers: Vec::new(),
+            columns: columns.len(),
+            unit,
+            extras: ExtraColumns::new(names.collect()),
+            first_lost: None,
+        };
         let mut labels = Labels::default();
-        let (mut count, mut rows, mut is_after_gap) = (0, Vec::new(), false);
-        let (mut lost, mut first_lost) = (Vec::new(), None);
+        let (mut count, mut is_after_gap) = (0, false);
+        let (mut stride, mut dense_rows) = (1, MAX_DENSE_ROWS);
+        let (mut lost, mut left_out) = (Vec::new(), 0);
         table.each(|record| {
             let (found, expected) = (record.fields.len(), table.header.len());
             let row = count / table.fingers().unwrap_or(1);
@@ -107,18 +131,21 @@ impl ReadingTable {
             };
             if let Some((place, _)) = places.iter().zip(columns).find(is_lost) {
                 let text = tidy(&record.fields[place.index]);
-                first_lost.get_or_insert_with(|| fail(place, format!("`{text}` is no number")));
+                all.first_lost
+                    .get_or_insert_with(|| fail(place, format!("`{text}` is no number")));
                 let of = |_| format!("`{}` in ", &record.fields[0]);
                 let of = table.fingers().map_or_else(String::new, of);
-                lost.push(format!("{of}row {}, line {}", row + 1, record.line));
+                if lost.len() < LISTED_ROWS {
+                    lost.push(format!("{of}row {}, line {}", row + 1, record.line));
+                }
+                left_out += 1;
                 return Ok(());
             }
             for ((place, &factor), column) in places.iter().zip(&factors).zip(columns) {
                 if is_label(column)
-                    && let Some(place) =
-                        labels.place(tidy(&record.fields[place.index]), lines.len())
+                    && let Some(place) = labels.place(tidy(&record.fields[place.index]), row)
                 {
-                    numbers.push(place);
+                    all.numbers.push(place);
                     continue;
                 }
                 let read = number(tidy(&record.fields[place.index]), decimal).and_then(|number| {
@@ -131,7 +158,7 @@ impl ReadingTable {
                         )),
                     }
                 });
-                numbers.push(read.map_err(|what| {
+                all.numbers.push(read.map_err(|what| {
                     let hint = match row == 0 && !has_number(record.fields) {
                         true => "; write # before a line without numbers",
                         false => "",
@@ -139,20 +166,32 @@ impl ReadingTable {
                     fail(place, what + hint)
                 })?);
             }
-            if std::mem::take(&mut is_after_gap) && !lines.is_empty() {
-                after_gaps.push(lines.len());
+            let read = all.source.lines.len();
+            if std::mem::take(&mut is_after_gap) && read > 0 {
+                all.after_gaps.push(read);
             }
-            lines.push(record.line);
-            rows.push(row);
-            extras.push(others.iter().map(|&index| tidy(&record.fields[index])));
-            match extras.bytes() > MAX_EXTRA_MIB << 20 {
-                true => Err(table.file.error(format!(
+            all.source.lines.push(record.line);
+            all.source.rows.push(row);
+            all.extras
+                .push(others.iter().map(|&index| tidy(&record.fields[index])));
+            if read == dense_rows {
+                all.thin(&mut stride, &is_spare);
+                dense_rows = dense_rows.max(2 * all.source.lines.len());
+            }
+            match () {
+                () if read >= MAX_ROWS => Err(table
+                    .file
+                    .error(format!("has more than {MAX_ROWS} rows that palpate needs"))),
+                () if all.extras.bytes() > MAX_EXTRA_MIB << 20 => Err(table.file.error(format!(
                     "the columns that palpate does not use have more than {MAX_EXTRA_MIB} MiB"
                 ))),
-                false => Ok(()),
+                () => Ok(()),
             }
         })?;
-        let mut source = ReadingSource::new(&table.file.name, lines);
+        if stride > 1 {
+            all.thin(&mut stride, &is_spare);
+        }
+        let source = &mut all.source;
         let unread = header.unread(may, &places);
         // In a wide table (several fingers per row), omit the proposed setting `columns`, because it reads only one
         // finger.
@@ -163,26 +202,58 @@ impl ReadingTable {
             .extend(notes.map(|note| Warning::new("assumed-columns", note, [])));
         if source.lines.is_empty() {
             let empty = || source.fail("has a header, but no readings");
-            return Err(first_lost.unwrap_or_else(empty));
+            return Err(all.first_lost.unwrap_or_else(empty));
         }
-        if !lost.is_empty() {
-            let (left_out, listed) = (lost.len() as f64, listed(lost.into_iter()));
+        if left_out > 0 {
+            let listed = listed((0..left_out).map(|at: usize| lost[at].clone()));
+            let left_out = left_out as f64;
             let text = format!(
                 "{left_out} of {count} readings are left out, because numbers are missing: {listed}"
             );
             let numbers = [("without_numbers", left_out)];
             source.notes.push(Warning::new("left-out", text, numbers));
         }
-        source.rows = rows;
-        Ok(Self {
-            source,
-            after_gaps,
-            numbers,
-            columns: columns.len(),
-            unit,
-            extras,
-            first_lost,
-        })
+        if stride > 1 {
+            let text = format!(
+                "{} of {count} rows are used: of successive rows that change little, one in {stride} is enough",
+                source.lines.len()
+            );
+            source.notes.push(Warning::new("left-out", text, []));
+        }
+        Ok(all)
+    }
+
+    /// Leaves out spare rows, until at most half of [`MAX_DENSE_ROWS`] remain. Each spare row is kept whose index in the
+    /// file is a multiple of `stride`. The stride is increased if necessary.
+    fn thin(&mut self, stride: &mut usize, is_spare: impl Fn([&[f64]; 3]) -> bool) {
+        while *stride < MAX_ROWS {
+            let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
+            let is_start = |row| self.after_gaps.binary_search(&row).is_ok();
+            let is_kept = |&row: &usize| match rows.get(row.max(1) - 1..row + 2) {
+                Some(&[before, own, after]) => {
+                    self.source.rows[row] % *stride == 0
+                        || is_start(row)
+                        || is_start(row + 1)
+                        || !is_spare([before, own, after])
+                }
+                _ => true,
+            };
+            let kept: Vec<usize> = (0..rows.len()).filter(is_kept).collect();
+            self.keep(&kept);
+            if 2 * kept.len() <= MAX_DENSE_ROWS {
+                return;
+            }
+            *stride *= 2;
+        }
+    }
+
+    fn keep(&mut self, kept: &[usize]) {
+        let row = |&row: &usize| &self.numbers[row * self.columns..(row + 1) * self.columns];
+        self.numbers = kept.iter().flat_map(row).copied().collect();
+        let gaps = self.after_gaps.iter_mut();
+        gaps.for_each(|gap| *gap = kept.partition_point(|row| row < gap));
+        self.source = self.source.selected(kept);
+        self.extras = self.extras.selected(kept);
     }
 
     /// Leaves out each row that equals the row before it and, if the rows have numbers of probes, copies of the whole
@@ -204,11 +275,7 @@ impl ReadingTable {
         if count == 0 {
             return;
         }
-        self.numbers = kept.iter().flat_map(|&row| rows[row]).copied().collect();
-        let gaps = self.after_gaps.iter_mut();
-        gaps.for_each(|gap| *gap = kept.partition_point(|row| row < gap));
-        self.source = self.source.selected(&kept);
-        self.extras = self.extras.selected(&kept);
+        self.keep(&kept);
         let text = format!(
             "{count} rows equal the row before them, or are in a copy of the whole table: copies count once"
         );

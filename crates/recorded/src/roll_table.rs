@@ -93,7 +93,16 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     };
     let columns = [probe, time, form.columns(), contacts, starts].concat();
     let may = &COLUMNS.rolls[..usize::from(!names_probes)];
-    let mut sheet = ReadingTable::read(&table, &columns, may)?;
+    // A sample may be left out if the sample before and the sample after it belong to the same roll, and if they are on the
+    // same pad.
+    let fixed = columns.len() - starts.len() - if kind == Kind::Pads { 2 } else { 0 };
+    let is_spare = |[before, own, after]: [&[f64]; 3]| {
+        let is_equal =
+            |one: &[f64]| one[..probe.len()] == own[..probe.len()] && one[fixed..] == own[fixed..];
+        let [earlier, time, later] = [before, own, after].map(|row| row[probe.len()]);
+        kind != Kind::Rows && earlier < time && time < later && is_equal(before) && is_equal(after)
+    };
+    let mut sheet = ReadingTable::thinned(&table, &columns, may, is_spare)?;
     if names_probes || kind != Kind::Rows {
         sheet.leave_out_copies(names_probes);
     }
@@ -327,9 +336,9 @@ fn without_header(file: &RecordedFile) -> Option<RecordedError> {
             columns: columns.collect(),
             ..file.form.clone()
         };
-        let file = file.clone();
-        let read = read_rolls(&RecordedFile { form, ..file });
-        read.is_ok_and(|(rolls, is_rolling)| {
+        let mut file = file.clone();
+        file.form = form;
+        read_rolls(&file).is_ok_and(|(rolls, is_rolling)| {
             let mut shifts = rolls.readings.iter().map(|reading| reading.shift);
             is_rolling && shifts.any(|shift| shift != Vector2::zeros())
         })

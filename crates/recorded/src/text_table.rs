@@ -14,7 +14,6 @@ use super::table_layout::{
     Wide, is_of_rostopic, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
 };
 
-const MAX_LINES: usize = 5_000_000;
 /// If the first line of a file lacks columns, it may be a title. The error message then names the later line that looks
 /// like the header. This constant is the largest number of lines that are searched for it.
 const MAX_TITLE_LINES: usize = 100;
@@ -254,13 +253,7 @@ impl<'a> TextTable<'a> {
         file: &'a RecordedFile,
         label: Option<&str>,
     ) -> Result<(Format<'a>, Vec<String>, usize), RecordedError> {
-        let text = Text::of(file.text("a header and one row per reading are needed")?);
-        let lines = text.lines().count();
-        if lines > MAX_LINES {
-            return Err(file.error(format!(
-                "has {lines} lines; at most {MAX_LINES} are accepted"
-            )));
-        }
+        let text = Text::of(file.start("a header and one row per reading are needed")?);
         let (text, stated) = text.begun();
         let (first, header_line) = text.rows_after(0).next().unwrap_or(("", 1));
         let (format, header) = if first.trim_start().starts_with(['{', '[']) {
@@ -328,7 +321,7 @@ impl<'a> TextTable<'a> {
 
     fn rows(&self, take: impl FnMut(Record<'_>) -> RowResult) -> RowResult {
         match &self.format {
-            Format::Delimited(text) => text.rows(take),
+            Format::Delimited(text) => text.rows(self.file, take),
             Format::Json(table, _) => table.rows(self.file, take),
             Format::Numpy(table) => table.rows(take),
         }

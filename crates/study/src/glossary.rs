@@ -210,7 +210,7 @@ subjects! {
         "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
         "flat-object": "The object is so flat that rounding errors of double precision change its curvature noticeably.";
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
-        "left-out": "Readings are left out of the fit: lost readings and other outliers, or rolls that cannot be used. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
+        "left-out": "Readings are left out of the fit: lost readings and other outliers, rolls that cannot be used, or surplus samples of very long time series. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts seem to lie on two surfaces. There are two possible reasons. Either a gap separates two groups of contacts, and no simple surface fits both groups, or two separate surfaces fit the contacts much better than the estimated surface does. The contacts may belong to two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";

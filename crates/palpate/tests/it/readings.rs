@@ -34,8 +34,9 @@ fn json<T: Serialize>(estimate: Result<T, impl ToString>) -> Estimated {
 }
 
 fn file(contents: impl AsRef<[u8]>, form: Form) -> RecordedFile {
-    let file = RecordedFile::new("r.csv", contents.as_ref().to_vec());
-    RecordedFile { form, ..file }
+    let mut file = RecordedFile::new("r.csv", contents.as_ref().to_vec());
+    file.form = form;
+    file
 }
 
 /// Copies of the table format `form`, each with one setting that a message proposes.

@@ -275,6 +275,38 @@ fn copied_series_count_once() {
     }
 }
 
+/// Large files are read line by line, and of very many samples only a part is used. All crossings of pad edges are
+/// used, and wrong rows at the end of the file are found.
+#[test]
+fn very_long_series_are_thinned_out() {
+    let mut rows = rows(280_000);
+    let path = std::env::temp_dir().join(format!("palpate-long-{}.csv", std::process::id()));
+    let settings = json!({ "kind": "pad-edge", "pitch": PITCH });
+    let mut estimate = |rows: &[[f64; 6]]| {
+        std::fs::write(
+            &path,
+            table(rows).replace("\n", &format!("{}\n", " ".repeat(12))),
+        )
+        .unwrap();
+        let readings = RecordedFile::read(&path).and_then(RollRecording::try_from);
+        readings.map(|readings| estimate_roll(readings, &options(&settings).unwrap()))
+    };
+    let found = serde_json::to_value(estimate(&rows).unwrap().unwrap()).unwrap();
+    let text = found["warnings"][0]["text"].as_str().unwrap();
+    assert!(text.contains(" of 1120004 rows are used: "), "{text}");
+    let bound =
+        |end: usize| RADII[1] * found["mean_curvature"]["interval95"][end].as_f64().unwrap();
+    assert!(
+        bound(0) < 1.0 && bound(1) > 1.0 && bound(1) - bound(0) < 1e-4,
+        "{found}"
+    );
+    let last = rows.len() - 1;
+    rows[last][1] = 0.5;
+    let error = estimate(&rows).unwrap_err().to_string();
+    std::fs::remove_file(&path).unwrap();
+    assert!(error.contains(":1120005: column `time_s`"), "{error}");
+}
+
 #[test]
 fn few_crossings_cause_a_warning() {
     for (end_s, is_warned) in [(0.3, true), (1.0, false)] {

@@ -28,8 +28,9 @@ pub(crate) fn table(path: &Path, form: Form) -> Result<RecordedFile, Failure> {
         true => RecordedFile::read_stream("standard input", std::io::stdin().lock()),
         false => RecordedFile::read(path),
     };
-    file.map(|file| RecordedFile { form, ..file })
-        .map_err(Failure::work)
+    let mut file = file.map_err(Failure::work)?;
+    file.form = form;
+    Ok(file)
 }
 
 /// Format of a table, as the arguments state it. The study of `--like` supplies the column names that are not stated.
