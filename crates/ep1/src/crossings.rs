@@ -1,6 +1,6 @@
 //! The crossings of pad edges in a roll.
 
-use nalgebra::{Matrix2, Matrix3, RowVector3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3x4, Matrix4, RowVector4, Vector2, Vector3, Vector4};
 
 use crate::rolled_path::drive_of;
 use crate::{PadCell, RollSample, SeriesNoise};
@@ -12,14 +12,24 @@ const REACH: f64 = 20.0;
 /// Largest number of samples in half of the parabola that is fitted to the measured rotations near a change of the
 /// active pad.
 const MOST_REACH: usize = 10_000;
+/// The parabola is shortened if a term with the fourth power of time improves the fit significantly, because the probe
+/// stops or turns near the crossing. This constant is the largest accepted decrease of chi-squared.
+const MAX_FOURTH: f64 = 12.0;
 /// The rotation at a crossing of a pad edge is uncertain, because the active pad changes between two samples. The
 /// uncertain range is the rotation between these samples, projected onto the direction that moves the contact across
 /// the edge. This constant is the smallest assumed width of the range, relative to the whole rotation between the
 /// samples.
 const MIN_WIDTH: f64 = 0.05;
+/// Two crossings of one edge count as one if their rotations differ by less than the uncertain ranges of both, plus this
+/// multiple of the standard deviation of the difference.
+const NEAR: f64 = 4.0;
+/// Number of earlier crossings with which a crossing is compared.
+const MAX_COMPARED: usize = 200;
 /// Smallest standard deviation (rad) of the rotation at a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
+/// Smallest rotation (rad) at which a contact turns back, divided by the largest distance of alternating pads.
+const MIN_RETURN: f64 = 0.07;
 /// The successive samples on one pad are divided into this number of intervals. Only the samples at the ends of the
 /// intervals bound the contact's position. The other samples would hardly improve the bounds, because the contact moves
 /// steadily.
@@ -50,26 +60,44 @@ pub(crate) struct Crossing {
     pub(crate) rotation: Vector3<f64>,
     /// Standard deviation of the rotation in the direction that moves the contact across the edge (rad).
     pub(crate) std: f64,
+    /// Width (rad) of the range of rotations in which the active pad changes.
+    pub(crate) width: f64,
     /// Index of the last sample before the crossing.
     pub(crate) sample: usize,
 }
 
-/// A run consists of successive samples on one pad. If the active pad changes and changes back, the runs in between are
-/// removed. While two pads are active alternately, the active pad does not locate the contact. The centres of such pads
-/// are less than `reach` apart.
-pub(crate) fn without_chatter(all: &[Run], reach: f64) -> Vec<Run> {
+/// A run consists of successive samples on one pad. While the contact moves over an edge, the pads beside it may be
+/// active alternately, and then the active pad does not locate the contact. So if a pad becomes active again soon, the
+/// runs before its last run are removed, except if the contact has turned back. The centres of alternating pads are less
+/// than `reach` apart.
+pub(crate) fn without_chatter(samples: &[RollSample], all: &[Run], reach: f64) -> Vec<Run> {
     let mut kept = Vec::with_capacity(all.len());
     let mut at = 0;
-    while at < all.len() {
-        kept.push(all[at]);
-        let mut end = at;
-        while end + 2 < all.len()
-            && all[end + 2].centre == all[end].centre
-            && (all[end + 1].centre - all[end].centre).norm() < reach
-        {
-            end += 1;
+    while let Some(run) = all.get(at) {
+        kept.push(*run);
+        let is_near = |other: &&Run| (other.centre - run.centre).norm() < reach;
+        let near = all[at + 1..].iter().take_while(is_near).zip(at + 1..);
+        let (mut again, mut longest) = (at, run.last - run.first);
+        for (other, place) in near.filter(|(other, _)| other.centre == run.centre) {
+            let [from, to] = [all[again].last, other.first];
+            let turn = |part: usize| {
+                let turn = samples[from + part * (to - from) / 4].rotation - samples[from].rotation;
+                drive_of(&turn).norm()
+            };
+            let turns_back = turn(2) > (2.0 * turn(4)).max(MIN_RETURN * reach);
+            longest = longest.max(other.last - other.first);
+            if turns_back || (place > again + 2 && to - from > longest) {
+                break;
+            }
+            again = place;
         }
-        at = end + 1;
+        let is_next = |other: &Run| {
+            let next = all.get(again + 1);
+            next.is_some_and(|next| other.centre == next.centre)
+        };
+        // If the next pad is not one of the alternating pads, keep the last run on the first pad too.
+        let leaves = again == at || all[at..again].iter().any(is_next);
+        at = if leaves { again + 1 } else { again };
     }
     kept
 }
@@ -105,13 +133,27 @@ pub(crate) fn crossings(
                 normal.dot(&before.centre) + 0.5 * pitch,
                 normal.dot(&after.centre) - 0.5 * pitch,
             ];
-            let (rotation, std) = rotation_at_change(samples, &before, &after, noise, &normal);
+            let (rotation, variance, width) =
+                rotation_at_change(samples, &before, &after, noise, &normal);
+            let offset = 0.5 * (edges[0] + edges[1]);
+            let spread = (2.0 * variance).sqrt() * NEAR;
+            let is_repeated = |one: &Crossing| {
+                let sign = one.normal.dot(&normal);
+                let is_same = sign.abs() > 0.9 && (one.offset - sign * offset).abs() < 1e-6 * pitch;
+                is_same && (one.rotation - rotation).norm() < one.width + width + spread
+            };
+            // If the contact moves back over an edge at the same place, the errors of both crossings may be equal,
+            // because the samples may be at equal rotations. So only the first crossing counts.
+            if all.iter().rev().take(MAX_COMPARED).any(is_repeated) {
+                continue;
+            }
             all.push(Crossing {
                 normal,
-                offset: 0.5 * (edges[0] + edges[1]),
+                offset,
                 gap: (edges[1] - edges[0]).clamp(0.0, pitch),
                 rotation,
-                std: std.max(MIN_STD),
+                std: (variance + width * width / 12.0).sqrt().max(MIN_STD),
+                width,
                 sample: before.last,
             });
         }
@@ -120,8 +162,8 @@ pub(crate) fn crossings(
 }
 
 /// The rotation vector at the change from the pad of the run `before` to the pad of the run `after`. A run consists of
-/// successive samples on one pad. The second result is the standard deviation (rad) of the drive along `across`. The
-/// drive is the rotation vector, turned by 90° into the direction of rolling.
+/// successive samples on one pad. The second result is the variance (rad²) of the rotation due to noise, and the third
+/// the width (rad) of the range in which the active pad changes, along `across`.
 ///
 /// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
 /// parabola is fitted to the measured rotations near the change, to average their noise. The result is the value of the
@@ -134,7 +176,7 @@ fn rotation_at_change(
     after: &Run,
     noise: &SeriesNoise,
     across: &Vector2<f64>,
-) -> (Vector3<f64>, f64) {
+) -> (Vector3<f64>, f64, f64) {
     let [low, high] = [samples[before.last], samples[after.first]];
     let middle = (low.rotation + high.rotation) * 0.5;
     let std = libm::hypot(
@@ -154,37 +196,50 @@ fn rotation_at_change(
             (Some(one), Some(other)) => one.min(other),
             (one, other) => one.or(other).unwrap_or(shorter),
         };
-        let reach = reach.min(MOST_REACH) + 2;
-        let from = before.first.max(before.last.saturating_sub(reach));
-        let near = &samples[from..=after.last.min(after.first + reach)];
-        let last = near[near.len() - 1];
+        let mut reach = reach.min(MOST_REACH) + 2;
         let middle_s = 0.5 * (low.time_s + high.time_s);
-        let unit_s = last.time_s - near[0].time_s;
-        // The prior standard deviation of the parabola's bend is the rotation along it.
-        let bend = (last.rotation - near[0].rotation).norm_squared() / (std * std);
-        let mut information =
-            Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, bend.max(1.0).recip()));
-        let mut sums = Matrix3::zeros();
-        for one in near {
-            let time = (one.time_s - middle_s) / unit_s;
-            let powers = RowVector3::new(1.0, time, time * time);
-            information += powers.tr_mul(&powers);
-            sums += one.rotation * powers;
-        }
-        if let Some(inverse) = information.try_inverse()
-            && inverse[(0, 0)] > 0.0
-        {
-            let fitted = sums * inverse;
-            rotation = fitted.column(0).into();
-            change = fitted.column(1) * ((high.time_s - low.time_s) / unit_s);
-            variance = std * std * inverse[(0, 0)];
+        loop {
+            let from = before.first.max(before.last.saturating_sub(reach));
+            let near = &samples[from..=after.last.min(after.first + reach)];
+            let last = near[near.len() - 1];
+            let unit_s = last.time_s - near[0].time_s;
+            // The prior standard deviation of the parabola's bend is the rotation along it.
+            let bend = (last.rotation - near[0].rotation).norm_squared() / (std * std);
+            let prior = bend.max(1.0).recip();
+            let mut information = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, prior, 0.0));
+            let mut sums = Matrix3x4::zeros();
+            for one in near {
+                let time = (one.time_s - middle_s) / unit_s;
+                let square = time * time;
+                let powers = RowVector4::new(1.0, time, square, square * square);
+                information += powers.tr_mul(&powers);
+                sums += one.rotation * powers;
+            }
+            let fourth = information.try_inverse().map_or(0.0, |inverse| {
+                let fourth = (sums * inverse.column(3)).norm_squared();
+                fourth / (inverse[(3, 3)] * std * std)
+            });
+            if fourth > MAX_FOURTH && near.len() > 8 {
+                reach = near.len() / 4;
+                continue;
+            }
+            let parabola = information.fixed_view::<3, 3>(0, 0).into_owned();
+            if let Some(inverse) = parabola.try_inverse()
+                && inverse[(0, 0)] > 0.0
+            {
+                let fitted = sums.fixed_columns::<3>(0) * inverse;
+                rotation = fitted.column(0).into();
+                change = fitted.column(1) * ((high.time_s - low.time_s) / unit_s);
+                variance = std * std * inverse[(0, 0)];
+            }
+            break;
         }
     }
     // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the uncertain
     // direction of the path limits the accuracy of the crossing, so the width has a lower limit.
     let change = drive_of(&change);
     let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
-    (rotation, (variance + width * width / 12.0).sqrt())
+    (rotation, variance, width)
 }
 
 /// Selects samples that bound the position of the contact. A run is a series of successive samples on one pad. For each

@@ -75,13 +75,14 @@ impl BoundedRoll {
         let samples = &series.samples;
         let mobility = shape.relative().try_inverse()?;
         let mut edges = edge_samples(samples, runs, cell.pitch / radius, cell, &mobility);
-        let turned = samples.last()?.rotation;
+        let turned = series.farthest()?.rotation;
+        let length = length(samples);
         // The contact's path is computed at the sample of each bound. If the path bends, it is also computed at samples
         // in between, to limit the path's error.
         let uneven = libm::hypot(mobility[(0, 0)] - mobility[(1, 1)], 2.0 * mobility[(0, 1)]);
-        let bend = uneven * turned.norm() + sagitta(samples) + turned.z.abs() * turned.norm();
-        let square = turned.norm_squared() * bend / 12.0;
-        let largest = PATH_ERROR * turned.norm() / samples.len() as f64;
+        let bend = (uneven + turned.z.abs()) * length + 8.0 * sagitta(samples, &turned);
+        let square = length * length * bend / 12.0;
+        let largest = PATH_ERROR * length / samples.len() as f64;
         let nodes = (square / largest.max(f64::MIN_POSITIVE)).sqrt();
         let step = (samples.len() / (nodes as usize + 1)).max(1);
         let mut rotations = Vec::with_capacity(edges.len());
@@ -115,12 +116,19 @@ impl BoundedRoll {
 }
 
 /// Estimates how far the rotation vectors of the samples deviate from a straight line: the largest distance of a few of
-/// them from the line through zero and the last rotation vector.
-fn sagitta(samples: &[RollSample]) -> f64 {
-    let last = samples[samples.len() - 1].rotation;
-    let middle = |part: usize| samples[part * samples.len() / 4].rotation;
-    let apart = |part| middle(part).cross(&last).norm() / last.norm().max(f64::MIN_POSITIVE);
-    (1..4).map(apart).fold(0.0, f64::max)
+/// them from the line through zero and the rotation vector `end`.
+fn sagitta(samples: &[RollSample], end: &Vector3<f64>) -> f64 {
+    let middle = |part: usize| samples[part * samples.len() / 8].rotation;
+    let apart = |part| middle(part).cross(end).norm() / end.norm().max(f64::MIN_POSITIVE);
+    (1..8).map(apart).fold(0.0, f64::max)
+}
+
+/// Length (rad) of the path of the rotation vectors, measured between a few samples.
+fn length(samples: &[RollSample]) -> f64 {
+    let some = |part: usize| samples[part * (samples.len() - 1) / 8].rotation;
+    (0..8)
+        .map(|part| (some(part + 1) - some(part)).norm())
+        .sum()
 }
 
 /// The set of mobilities (contact travels per radian) that agree with exact readings, and the distribution of the

@@ -13,6 +13,9 @@ const GROUPS: usize = 12;
 /// If the probe spins, the path of the contact bends, so the samples are divided into more groups. This constant is the
 /// spin per additional group (rad).
 const SPIN_OF_GROUP: f64 = 0.02;
+/// Spin that requires as many groups as a unit of area between the path of the drive (rotation vector, turned by 90°) and
+/// its chords. This area is the angle by which the contact frame turns along the path.
+const SPIN_PER_AREA: f64 = 5.0;
 /// Number of samples among which the sample with the largest rotation is searched.
 const COMPARED: usize = 64;
 /// The rolls count as reversed if a ratio is below this value. The numerator is the sum of the contacts' travels along
@@ -61,10 +64,20 @@ impl RollSeries {
         self.samples.iter().rev().step_by(step).min_by(order)
     }
 
-    /// Magnitude of the measured rotation about the contact normal (rad); 0 if it was not measured.
-    pub(crate) fn spin(&self) -> f64 {
+    /// Measure of the bend of the contact's path (rad): the measured rotation about the contact normal, plus the area
+    /// between the path of the drive and its chords.
+    pub(crate) fn bend(&self) -> f64 {
         let last = self.farthest().filter(|_| self.has_spin);
-        last.map_or(0.0, |last| last.rotation.z.abs())
+        let spin = last.map_or(0.0, |last| last.rotation.z.abs());
+        let step = self.samples.len().div_ceil(COMPARED).max(1);
+        let drives = self.samples.iter().step_by(step);
+        let drives: Vec<_> = drives.map(|one| drive_of(&one.rotation)).collect();
+        let mean = |some: &[Vector2<f64>]| some.iter().sum::<Vector2<f64>>() / some.len() as f64;
+        let means: Vec<_> = drives.chunks(COMPARED / 8).map(mean).collect();
+        let area = means
+            .windows(2)
+            .map(|pair| pair[0].perp(&pair[1]).abs() / 2.0);
+        spin + SPIN_PER_AREA * area.sum::<f64>()
     }
 }
 
@@ -249,6 +262,7 @@ pub(crate) fn check(
             sample = next;
         }
         all.push(without_chatter(
+            samples,
             &runs,
             NEIGHBOURS * pitch.unwrap_or_default(),
         ));

@@ -95,7 +95,7 @@ impl Problem<'_> {
         let is_exact = self.has_exact_pads();
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         // If the probe spins, the bounds of the set are accurate only near the mobility at which they are linearised.
-        let spins = self.rolls.iter().any(|roll| roll.spin() > MIN_ANGLE);
+        let spins = self.rolls.iter().any(|roll| roll.bend() > MIN_ANGLE);
         let tolerance = if is_set && !spins {
             ROUGH_TOLERANCE
         } else {
@@ -167,17 +167,18 @@ impl Problem<'_> {
         if data.len() < 2 {
             return Err(SeriesError::TooFewRolls { rolls: data.len() });
         }
-        if let Some(set) = self.set(cell, data, fit, 0.0) {
+        if !self.alternates()
+            && let Some(set) = self.set(cell, data, fit, 0.0)
+        {
             return self.of_set(set);
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
         // The rough fit is not accurate enough for a very small set, and for a comparison of the rolls.
         let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
-        // If no curvature agrees with all rolls, but active pads alternate at edges, the pads are not exact: move all
-        // edges outward by the largest distance over which pads alternate.
-        let width = self.chatter(&fit.shape);
-        let mut sets = [0.0, width].into_iter();
-        if let Some(set) = sets.find_map(|width| self.set(cell, data, Some(&fit), width)) {
+        // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over
+        // which pads alternate.
+        let width = self.chatter(data, &fit.shape);
+        if let Some(set) = self.set(cell, data, Some(&fit), width) {
             return self.of_set(set);
         }
         // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
@@ -214,23 +215,23 @@ impl Problem<'_> {
         }
     }
 
+    /// Whether several pads are active alternately while the contact moves over an edge.
+    fn alternates(&self) -> bool {
+        let mut pairs = self.runs.iter().flat_map(|runs| runs.windows(2));
+        pairs.any(|pair| pair[0].last + 1 < pair[1].first && pair[0].centre != pair[1].centre)
+    }
+
     /// The largest distance across an edge, in radii of the probe, over which the pads on both sides were active
     /// alternately. `shape` is the shape of the object.
-    fn chatter(&self, shape: &LocalShape) -> f64 {
+    fn chatter(&self, data: &[RollData], shape: &LocalShape) -> f64 {
         let mobility = shape.relative().try_inverse().unwrap_or_default();
-        let mut largest: f64 = 0.0;
-        for (runs, roll) in self.runs.iter().zip(self.rolls) {
-            for pair in runs
-                .windows(2)
-                .filter(|pair| pair[0].last + 1 < pair[1].first)
-            {
-                let [low, high] = [pair[0].last, pair[1].first].map(|at| roll.samples[at].rotation);
-                let across = pair[1].centre - pair[0].centre;
-                let moved = (mobility * drive_of(&(high - low))).dot(&across).abs();
-                largest = largest.max(moved / across.norm().max(f64::MIN_POSITIVE));
-            }
-        }
-        largest
+        let observations = data.iter().flat_map(|roll| &roll.observations);
+        let moved = observations.map(|(_, one)| match one {
+            Observation::Crossing(one) => one.width * one.normal.dot(&(mobility * one.normal)),
+            Observation::Contact(..) => 0.0,
+        });
+        let largest = moved.fold(0.0, f64::max);
+        if self.alternates() { largest } else { 0.0 }
     }
 
     /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`, if the edges of all pads
@@ -311,7 +312,7 @@ impl Problem<'_> {
             }
             let guess = series.start.unwrap_or(samples[0].place) * scale;
             let has_spin = has_spin && series.has_spin;
-            let spin = series.spin();
+            let bend = series.bend();
             // If the first rotation of a roll is exactly 0, the rotations are relative to the measured orientation of
             // the first sample. All rotations then share the error of this orientation. This error has the same effect
             // as an error of the stated start, so the start is not exact.
@@ -327,11 +328,11 @@ impl Problem<'_> {
                     let found = found
                         .into_iter()
                         .map(|one| (at(&one), one.rotation, Some(Observation::Crossing(one))));
-                    let mut all = groups(samples, scale, false, spin);
+                    let mut all = groups(samples, scale, false, bend);
                     all.extend(found);
                     (all, pitch / 12.0_f64.sqrt())
                 }
-                Places::Contacts { .. } => (groups(samples, scale, true, spin), f64::INFINITY),
+                Places::Contacts { .. } => (groups(samples, scale, true, bend), f64::INFINITY),
             };
             all.sort_by(|one, other| one.0.total_cmp(&other.0));
             let observations = all.iter().enumerate();
@@ -347,6 +348,21 @@ impl Problem<'_> {
                 observations: observations.collect(),
                 rotations: RollRotations::new(all.into_iter().map(|one| one.1).collect(), has_spin),
             });
+        }
+        // If pads alternate, the place of a crossing is also uncertain where they happen not to alternate.
+        if self.alternates() {
+            let observations = data.iter_mut().flat_map(|roll| &mut roll.observations);
+            let crossings = observations.filter_map(|(_, one)| match one {
+                Observation::Crossing(crossing) => Some(crossing),
+                Observation::Contact(..) => None,
+            });
+            let mut crossings: Vec<_> = crossings.collect();
+            let squares = crossings.iter().map(|one| one.width * one.width);
+            let mean = squares.sum::<f64>() / crossings.len().max(1) as f64;
+            for one in &mut crossings {
+                let more = (mean - one.width * one.width).max(0.0) / 12.0;
+                one.std = libm::hypot(one.std, more.sqrt());
+            }
         }
         data
     }

@@ -83,7 +83,7 @@ impl TryFrom<&RecordedFile> for CalibrationPoints {
     fn try_from(file: &RecordedFile) -> Result<Self, RecordedError> {
         let table = TextTable::of(file, &[])?;
         let columns = columns(&header(&table, &COLUMNS)?);
-        let mut sheet = ReadingTable::read(&table, &columns, &[])?;
+        let mut sheet = ReadingTable::read(&table, &columns, &[], |_| false)?;
         sheet.first_lost.take().map_or(Ok(()), Err)?;
         let place = |column: Column| columns.iter().position(|one| *one == column);
         let (has_hue, has_growth) = (place(HUE).is_some(), place(GROWTH).is_some());

@@ -135,7 +135,7 @@ impl TryFrom<RecordedFile> for LoadCurve {
     fn try_from(file: RecordedFile) -> Result<Self, RecordedError> {
         let table = TextTable::of(&file, &[&LOADS])?;
         header(&table, &LOADS)?;
-        let mut sheet = ReadingTable::read(&table, &LOADS, &[])?;
+        let mut sheet = ReadingTable::read(&table, &LOADS, &[], |_| false)?;
         let rows: Vec<_> = sheet.rows().map(|(_, row)| [row[0], row[1]]).collect();
         let repeated = sheet.source.repeated("reading", rows.iter().copied(), 0.0);
         let repeated = Warning::of("repeated-rows", repeated);

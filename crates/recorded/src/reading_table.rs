@@ -41,18 +41,10 @@ pub(super) struct ReadingTable {
 
 impl ReadingTable {
     /// Reads the columns `columns` of a table. The file may contain them in any order and among other columns. All
-    /// these columns are required. If some are missing, the error also names the optional columns `may`.
+    /// these columns are required. If some are missing, the error also names the optional columns `may`. If the table
+    /// has very many rows, some are left out: `is_spare` states whether the middle one of three successive rows may be
+    /// left out.
     pub(super) fn read(
-        table: &TextTable<'_>,
-        columns: &[Column],
-        may: &[Column],
-    ) -> Result<Self, RecordedError> {
-        Self::thinned(table, columns, may, |_| false)
-    }
-
-    /// Like [`read`](Self::read), but if the table has very many rows, leaves out some of the rows between others.
-    /// `is_spare` states whether the middle one of three successive rows may be left out.
-    pub(super) fn thinned(
         table: &TextTable<'_>,
         columns: &[Column],
         may: &[Column],

@@ -102,7 +102,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         let [earlier, time, later] = [before, own, after].map(|row| row[probe.len()]);
         kind != Kind::Rows && earlier < time && time < later && is_equal(before) && is_equal(after)
     };
-    let mut sheet = ReadingTable::thinned(&table, &columns, may, is_spare)?;
+    let mut sheet = ReadingTable::read(&table, &columns, may, is_spare)?;
     if names_probes || kind != Kind::Rows {
         sheet.leave_out_copies(names_probes);
     }

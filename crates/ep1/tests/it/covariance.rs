@@ -1,7 +1,7 @@
 //! Compares standard errors with a Monte Carlo simulation of the readings.
 
 use approx::assert_relative_eq;
-use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ProbeReading, ReadingNoise};
+use palpate_ep1::{Estimate, LeastSquares, Measured, PadStart, ReadingNoise};
 use palpate_geometry::CurvatureForm;
 
 use crate::draws::Draws;
@@ -61,46 +61,6 @@ fn errors_of_measured_rotations_do_not_bias_the_curvature() {
     let sum: f64 = estimates.map(|one| one.unwrap().mean_curvature.value).sum();
     let bias = (sum / f64::from(trials) / 0.2 - 1.0) / 6.0;
     assert!(bias.abs() < 1e-3, "{bias}");
-}
-
-#[test]
-fn the_covariance_of_the_form_matches_finite_differences() {
-    // To first order, the covariance follows from the change of the curvature form per unit error in each component of
-    // each reading.
-    let noise = ReadingNoise {
-        shift_std: 1e-3,
-        ..Default::default()
-    };
-    let exact = readings(1.0, &FORM, &eight(0.1));
-    let (fit, estimate) = LeastSquares::fitted(1.0, noise, &exact).unwrap();
-    let found = fit.covariance(&estimate).unwrap();
-    let form = |readings: &[ProbeReading]| {
-        let form = LeastSquares::of(1.0, noise, readings).unwrap().curvature;
-        [form.k_uu, form.k_vv, form.k_uv]
-    };
-    let step = 1e-6;
-    let mut due = [[0.0; 3]; 3];
-    for probe in 0..exact.len() {
-        for along in 0..2 {
-            let moved = |by: f64| {
-                let mut readings = exact.clone();
-                readings[probe].shift[along] += by;
-                form(&readings)
-            };
-            let (above, below) = (moved(step), moved(-step));
-            let change: [f64; 3] = std::array::from_fn(|i| (above[i] - below[i]) / (2.0 * step));
-            for (row, one) in due.iter_mut().zip(change) {
-                for (entry, other) in row.iter_mut().zip(change) {
-                    *entry += one * other * noise.shift_std * noise.shift_std;
-                }
-            }
-        }
-    }
-    for (found, due) in found.iter().flatten().zip(due.iter().flatten()) {
-        assert_relative_eq!(found, due, max_relative = 1e-6, epsilon = 1e-12);
-    }
-    let (fit, estimate) = LeastSquares::fitted(1.0, ReadingNoise::default(), &exact).unwrap();
-    assert_eq!(fit.covariance(&estimate), None);
 }
 
 /// Standard error of the mean curvature that is estimated from rolls in the directions `directions_deg` over pads. The

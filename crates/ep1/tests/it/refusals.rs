@@ -10,25 +10,6 @@ fn estimate(readings: &[ProbeReading]) -> Result<Estimate, Ep1Error> {
 }
 
 #[test]
-fn parallel_probes_are_refused() {
-    for direction in [0.0, 0.7, 1.5] {
-        let rolls = [
-            (direction, 0.1),
-            (direction, 0.2),
-            (direction + std::f64::consts::PI, 0.1),
-        ];
-        let readings = readings(1.0, &isotropic(1.0), &rolls);
-        let error = estimate(&readings).unwrap_err();
-        assert_eq!(<&str>::from(&error), "unresolvable-set", "{error}");
-    }
-    let still = [ProbeReading::default(); 8];
-    assert_eq!(
-        <&str>::from(estimate(&still).unwrap_err()),
-        "unresolvable-set"
-    );
-}
-
-#[test]
 fn a_contact_that_did_not_move_bounds_the_radius() {
     let mut readings = readings(1.0, &isotropic(1.0), &eight(0.1));
     for reading in &mut readings {
@@ -62,20 +43,6 @@ fn a_contact_that_did_not_move_bounds_the_radius() {
                 ..
             }
         ),
-        "{error}"
-    );
-}
-
-#[test]
-fn a_contact_that_moves_backwards_is_not_rolling() {
-    let mut readings = readings(1.0, &isotropic(1.0), &eight(0.1));
-    for reading in &mut readings {
-        reading.shift.y = -reading.shift.y;
-    }
-    let error = estimate(&readings).unwrap_err();
-    assert!(matches!(error, Ep1Error::NotRolling { .. }), "{error}");
-    assert!(
-        error.to_string().starts_with("at 90.0 degrees from u"),
         "{error}"
     );
 }

@@ -587,3 +587,24 @@ fn gaps_and_chatter_do_not_bias() {
     let thresholds = ShapeThresholds::new(1e-6, 1e-3).unwrap();
     assert_relative_eq!(found.class_probabilities(&thresholds)[0], 1.0);
 }
+
+#[test]
+fn rolls_that_turn_back_have_intervals_that_hold() {
+    let (mut draws, mut held) = (Draws(6), 0);
+    for trial in 0..20 {
+        let turn = 0.1 * f64::from(trial);
+        let mut rolls = without_starts(&rolls(47.0, &SQUARE, turn, &mut draws));
+        for samples in rolls.iter_mut().map(|roll| &mut roll.samples) {
+            samples.extend_from_within(..samples.len() - 1);
+            let half = samples.len() / 2 + 1;
+            samples[half..].reverse();
+            let times = samples.iter_mut().zip(0..);
+            times.for_each(|(sample, time)| sample.time_s = f64::from(time));
+        }
+        let places = Places::Pads(SQUARE);
+        let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls);
+        let [low, high] = found.unwrap().interval95(Quantity::Mean);
+        held += u32::from(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
+    }
+    assert!(held >= 17, "{held}");
+}
