@@ -180,9 +180,6 @@ impl ReadingTable {
                 () => Ok(()),
             }
         })?;
-        if stride > 1 {
-            all.thin(&mut stride, &is_spare);
-        }
         let source = &mut all.source;
         let unread = header.unread(may, &places);
         // In a wide table (several fingers per row), omit the proposed setting `columns`, because it reads only one
@@ -206,6 +203,8 @@ impl ReadingTable {
             source.notes.push(Warning::new("left-out", text, numbers));
         }
         if stride > 1 {
+            all.thin(&mut stride, &is_spare);
+            let source = &mut all.source;
             let text = format!(
                 "{} of {count} rows are used: of successive rows that change little, one in {stride} is enough",
                 source.lines.len()
@@ -221,14 +220,13 @@ impl ReadingTable {
         while *stride < MAX_ROWS {
             let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
             let is_start = |row| self.after_gaps.binary_search(&row).is_ok();
-            let is_kept = |&row: &usize| match rows.get(row.max(1) - 1..row + 2) {
-                Some(&[before, own, after]) => {
-                    self.source.rows[row] % *stride == 0
-                        || is_start(row)
-                        || is_start(row + 1)
-                        || !is_spare([before, own, after])
-                }
-                _ => true,
+            let is_kept = |&row: &usize| {
+                self.source.rows[row].is_multiple_of(*stride)
+                    || row == 0
+                    || row + 1 == rows.len()
+                    || is_start(row)
+                    || is_start(row + 1)
+                    || !is_spare([rows[row - 1], rows[row], rows[row + 1]])
             };
             let kept: Vec<usize> = (0..rows.len()).filter(is_kept).collect();
             self.keep(&kept);
