@@ -216,47 +216,4 @@ mod tests {
         assert_eq!(change(&ERROR, 1e-9, 1.011e-9), Change::Worse);
         assert_eq!(change(&ERROR, 1e-9, 1e-15), Change::Better);
     }
-
-    #[test]
-    fn new_and_missing_figures_are_named_and_fail() {
-        let comparison = compared(&COST, &[("a", 1.0), ("b", 2.0)], &[("a", 1.0), ("c", 3.0)]);
-        assert!(comparison.fails());
-        let text = comparison.render();
-        let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines.len(), 3, "{text}");
-        assert!(lines[1].starts_with("NEW      c ") && lines[1].contains(" 3"));
-        assert!(lines[2].starts_with("MISSING  b ") && lines[2].contains(" 2"));
-    }
-
-    #[test]
-    fn changes_below_the_limit_are_noticed() {
-        let alters = |before, now| compared(&ERROR, &[("a", before)], &[("a", now)]).alters();
-        assert!(alters(0.1, 0.1001));
-        assert!(alters(0.1, 0.05));
-        assert!(!alters(0.1, 0.1 + 1e-7));
-        assert!(!alters(1e-15, 4e-15));
-    }
-
-    #[test]
-    fn written_tables_read_back_the_same() {
-        let figures = [
-            ("roll, 6 rad", 1.23456e-7),
-            ("exact", 0.0),
-            ("many", 123_456_789.0),
-        ];
-        let table = compared(&ERROR, &[], &figures);
-        let text = table.to_csv().unwrap();
-        assert_eq!(
-            text,
-            "name,error\n\"roll, 6 rad\",1.23456e-7\nexact,0\nmany,123456789\n"
-        );
-        assert_eq!(read(&text).unwrap(), table.now);
-    }
-
-    #[test]
-    fn invalid_tables_are_rejected() {
-        for rows in ["a,x\n", "a,NaN\n", "a,-1\n", "a,1\na,2\n"] {
-            assert!(read(&format!("name,error\n{rows}")).is_err(), "{rows}");
-        }
-    }
 }

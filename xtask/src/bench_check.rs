@@ -126,23 +126,3 @@ fn section(text: &str) -> impl Iterator<Item = &str> {
     let lines = below.take_while(|line| !line.starts_with('#'));
     lines.map(str::trim).filter(|line| !line.is_empty())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const COMMITTED: &str =
-        "# Changelog\n\n### Added\n\n- A.\n\n### Numerical changes\n\n- Old.\n\n## 0.1\n\n- B.\n";
-
-    #[test]
-    fn only_a_new_line_below_the_heading_counts() {
-        assert!(!has_new_line(COMMITTED, COMMITTED));
-        let with = |old: &str, new: &str| has_new_line(COMMITTED, &COMMITTED.replace(old, new));
-        assert!(with("- Old.\n", "- Old.\n- New: smaller by 2 %.\n"));
-        assert!(!with("- A.\n", "- A.\n- New.\n"));
-        assert!(!with("- B.\n", "- B.\n- New.\n"));
-        assert!(!with("- Old.\n", "- Old.\n\n  \n"));
-        assert!(!with("- Old.\n", ""));
-        assert!(has_new_line("", COMMITTED));
-    }
-}

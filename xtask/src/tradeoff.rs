@@ -120,25 +120,3 @@ fn replace(fresh: &Path, out: &Path) -> Result<()> {
     std::fs::rename(fresh, out)
         .with_context(|| format!("cannot rename {} to {}", fresh.display(), out.display()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_table_that_was_not_written_again_is_kept() {
-        let parent = tempfile::tempdir().unwrap();
-        let [out, fresh] = ["tradeoff", "fresh"].map(|name| parent.path().join(name));
-        let table = |folder: &Path| std::fs::read_to_string(folder.join(AUTO_CHECK)).ok();
-        std::fs::create_dir(&fresh).unwrap();
-        keep(AUTO_CHECK, &fresh, &out).unwrap();
-        assert_eq!(table(&fresh), None);
-        std::fs::create_dir(&out).unwrap();
-        std::fs::write(out.join(AUTO_CHECK), "known").unwrap();
-        keep(AUTO_CHECK, &fresh, &out).unwrap();
-        assert_eq!(table(&fresh).as_deref(), Some("known"));
-        std::fs::write(fresh.join(AUTO_CHECK), "new").unwrap();
-        keep(AUTO_CHECK, &fresh, &out).unwrap();
-        assert_eq!(table(&fresh).as_deref(), Some("new"));
-    }
-}

@@ -105,37 +105,3 @@ fn least(mut measured: impl FnMut() -> Option<f64>, clock: &Clock<'_>) -> Option
     }
     Some(least)
 }
-
-#[cfg(test)]
-mod tests {
-    use std::cell::Cell;
-
-    use super::*;
-
-    #[test]
-    fn the_least_of_several_counts() {
-        // This test uses a clock that advances by 1 ms at each reading.
-        let now = Cell::new(Duration::ZERO);
-        let clock = || now.replace(now.get() + Duration::from_millis(1));
-        let mut samples = [3.0, 1.0, 2.0].into_iter().chain(std::iter::repeat(4.0));
-        assert_eq!(least(|| samples.next(), &clock), Some(1.0));
-        assert_eq!(least(|| None, &clock), None);
-    }
-
-    #[test]
-    fn a_slow_rung_is_measured_once() {
-        let now = Cell::new(Duration::ZERO);
-        let mut times = 0;
-        let slow = || {
-            now.set(now.get() + TIMING);
-            times += 1;
-            Some(1.0)
-        };
-        assert_eq!((least(slow, &|| now.get()), times), (Some(1.0), 1));
-    }
-
-    #[test]
-    fn a_clock_that_stands_still_ends_too() {
-        assert_eq!(least(|| Some(1.0), &|| Duration::ZERO), Some(1.0));
-    }
-}

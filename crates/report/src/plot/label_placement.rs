@@ -177,35 +177,3 @@ fn along(from: Point, to: Point) -> impl Iterator<Item = Point> {
         (on_the_way(from.0, to.0), on_the_way(from.1, to.1))
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn no_label_covers_a_label_or_a_point_even_between_close_points() {
-        let named: Vec<(String, Point)> = (0..9)
-            .map(|at| {
-                let place = (240 + 75 * at, 60 + 33 * at);
-                (format!("RK4 × {}, Montana", 1 << at), place)
-            })
-            .collect();
-        let names = place(&named, &[], &[], [0, 0, 2100, 690]);
-        assert_eq!(names.len(), named.len());
-        for (at, name) in names.iter().enumerate() {
-            assert!(name.bounds.within([0, 0, 2100, 690]), "{}", name.text);
-            for other in &names[..at] {
-                assert!(
-                    !name.bounds.meets(&other.bounds),
-                    "{} {}",
-                    name.text,
-                    other.text
-                );
-            }
-            for (_, point) in &named {
-                let point = Bounds::around(*point, (POINT, POINT));
-                assert!(!name.bounds.meets(&point), "{}", name.text);
-            }
-        }
-    }
-}

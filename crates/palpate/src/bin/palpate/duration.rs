@@ -62,21 +62,3 @@ pub(crate) fn exact(number: f64) -> String {
         format!("{number:e}")
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn durations_and_numbers_have_few_digits() {
-        assert_eq!(parse("30s"), Ok(Duration::from_secs(30)));
-        assert_eq!(parse("5m"), Ok(Duration::from_secs(300)));
-        assert_eq!(parse("1.5h"), Ok(Duration::from_secs(5400)));
-        assert_eq!(parse("0.25 s"), Ok(Duration::from_millis(250)));
-        let times = [1.234e-8, 0.00056, 0.0999, 12.3].map(short);
-        assert_eq!(times, ["12 ns", "560 us", "100 ms", "12 s"]);
-        let numbers = [0.0, 1.26, 123_456.0, 1.26e-300];
-        assert_eq!(numbers.map(exact), ["0", "1.26", "123456", "1.26e-300"]);
-        assert_eq!(numbers.map(two_digits), ["0", "1.3", "120000", "1.3e-300"]);
-    }
-}
