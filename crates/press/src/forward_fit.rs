@@ -9,10 +9,13 @@ mod search;
 mod start;
 mod undetected_contacts;
 
+use nalgebra::{DMatrix, DVector};
+use palpate_statistics::{GoodnessOfFit, NORMAL_95, student_half_width};
+
 use crate::least_squares::LeastSquares;
 use crate::outcome::Stds;
 use crate::unknowns::State;
-use crate::{Body, Contact, Markers, PressError, PressEstimate};
+use crate::{Body, Contact, Estimated, Interval, Markers, PressError, PressEstimate, Verdict};
 use problem::Problem;
 pub(crate) use search::MIN_READINGS_PER_PARAMETER;
 use search::Search;
@@ -76,6 +79,9 @@ impl From<f64> for Prior {
         }
     }
 }
+
+/// Largest curvature of an almost flat object, in standard errors. For larger curvatures, an elastic contact is fitted.
+const MAX_SIGNIFICANCE: f64 = 6.0;
 
 /// Cramér–Rao bounds, which are the smallest possible standard errors of unbiased estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,8 +166,86 @@ impl ForwardFit {
         self.validate(reading)?;
         match self.is_elliptic {
             true => self.elliptic_estimate(reading),
-            false => Search::new(self, reading)?.run(),
+            false => match self.flat_object(reading) {
+                Some(estimate) => Ok(estimate),
+                None => Search::new(self, reading)?.run(),
+            },
         }
+    }
+
+    /// The estimate of a press of a flat pad on an object whose curvature may be 0; `None` for other presses. All
+    /// markers must lie within the contact area, at whose edge the displacement is at most half of the largest one.
+    /// Within this area, the skin has the shape of the object, so a paraboloid is fitted to the displacements.
+    fn flat_object(&self, reading: &Reading<'_>) -> Option<PressEstimate> {
+        let (markers, normal) = (reading.markers, DVector::from_column_slice(reading.normal));
+        let (skin, most) = (markers.skin(), normal.max());
+        let is_ideal = self.baseline == Prior::Exact && self.gain == Prior::Exact;
+        let freedom = normal.len().checked_sub(4).filter(|&freedom| freedom > 0)?;
+        if skin.curvature() > 0.0
+            || self.body.c().is_some()
+            || !is_ideal
+            || normal.min() <= 0.5 * most
+        {
+            return None;
+        }
+        let places = markers.places().iter();
+        let places: Vec<_> = places
+            .map(|one| skin.chart(one.direction.as_ref()))
+            .collect();
+        let extent = (markers.distances([0.0; 2]).into_iter()).fold(0.0, f64::max);
+        let paraboloid = DMatrix::from_fn(places.len(), 4, |row, term| {
+            let [x, y] = places[row].map(|along| along / extent);
+            [1.0, x, y, -0.5 * (x * x + y * y)][term]
+        });
+        let inverse = paraboloid.tr_mul(&paraboloid).cholesky()?.inverse();
+        let solved = &inverse * paraboloid.tr_mul(&normal);
+        let squares = (&normal - &paraboloid * &solved).norm_squared();
+        let stated = self.normal_std.filter(|&std| std > 0.0);
+        let found = (squares / freedom as f64).sqrt().max(1e-10 * most);
+        let std = stated.unwrap_or(found);
+        let half_width = stated.map_or_else(|| student_half_width(0.95, freedom), |_| NORMAL_95);
+        let of = |term: usize, scale: f64| {
+            let std = std * inverse[(term, term)].sqrt();
+            Estimated::normal(solved[term] / scale, std / scale, half_width)
+        };
+        let goodness = stated.map(|std| GoodnessOfFit::new(squares / (std * std), freedom));
+        let relative_curvature = of(3, extent * extent);
+        let unbounded = f64::INFINITY;
+        let estimate = PressEstimate {
+            sensor_curvature: 0.0,
+            relative_curvature,
+            most_likely_curvature: relative_curvature.value,
+            principal: None,
+            indentation: reading.indentation.map_or(of(0, 1.0), |stated| {
+                Estimated::normal(stated.value, stated.std, NORMAL_95)
+            }),
+            contact_radius: Estimated {
+                value: extent,
+                std: unbounded,
+                interval: Interval {
+                    low: Some(extent),
+                    high: None,
+                },
+            },
+            contact: [0.0; 2],
+            contact_std: [unbounded; 2],
+            baseline: None,
+            gain: None,
+            wrong_markers: Vec::new(),
+            normal_std: std,
+            tangential_std: None,
+            r_squared: 1.0 - squares / normal.norm_squared(),
+            reduced_chi_squared: squares / (std * std * freedom as f64),
+            goodness,
+            is_detected: true,
+            only_marker: None,
+            verdict: match relative_curvature.interval.holds(0.0) {
+                true => Verdict::FlatWithinNoise,
+                false => Verdict::of(relative_curvature.interval, 0.0),
+            },
+        };
+        let significance = relative_curvature.value / relative_curvature.std;
+        (significance.abs() < MAX_SIGNIFICANCE).then_some(estimate)
     }
 
     /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds). The true contact is at the

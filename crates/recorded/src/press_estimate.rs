@@ -233,6 +233,7 @@ pub(super) fn force_and_pressure(
     young: Option<f64>,
     unit: LengthUnit,
 ) -> Result<[Option<Value>; 2], PressError> {
+    let young = young.filter(|_| estimate.contact_radius.std.is_finite());
     let Some(young) = young else {
         return Ok([None, None]);
     };

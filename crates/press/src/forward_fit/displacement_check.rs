@@ -61,6 +61,9 @@ impl ForwardFit {
                 what: "only one marker moved",
             });
         }
+        if alone.contact_radius.std.is_infinite() {
+            return Ok(None);
+        }
         let (problem, state) = self.problem_of(&displacements, &alone);
         let (mut state, least) = problem.minimum(state, EXACTLY, None)?;
         let indentation = Some(stated);
@@ -127,7 +130,8 @@ impl ForwardFit {
         let poor_fit = estimate
             .goodness
             .and_then(|goodness| Misfit::poor_fit(goodness, SIGNIFICANCE_LEVEL));
-        if self.is_elliptic {
+        // A contact without an edge has no residuals that depend on the distance from its edge.
+        if self.is_elliptic || estimate.contact_radius.std.is_infinite() {
             return Ok(poor_fit.into_iter().collect());
         }
         let (problem, state) = self.problem_of(reading, estimate);

@@ -104,3 +104,17 @@ fn a_plane_has_no_contact_point_on_a_flat_pad() {
     assert!(matches!(press(0.0), Some(PressError::Conforming { .. })));
     assert!(matches!(press(-0.1), Some(PressError::EdgeContact { .. })));
 }
+
+/// A plane moves all markers equally, apart from noise and a tilt. The interval must hold the curvature 0.
+#[test]
+fn a_plane_is_flat_within_the_noise() {
+    let markers = grid(f64::INFINITY);
+    let fit = fit_of(&Body::half_space(0.5, 0.5).unwrap(), 0.01);
+    let tilted = (0..13 * 11).map(|marker| 0.4 + 0.002 * f64::from(marker % 13));
+    let readings = Readings::inward(tilted.collect());
+    let held = (0..100).filter(|trial| {
+        let found = fit.estimate(&readings.noisy(0.01, *trial).reading(&markers, None));
+        found.unwrap().object_curvature().interval.holds(0.0)
+    });
+    assert!((90..100).contains(&held.count()));
+}
