@@ -19,6 +19,9 @@ pub(super) struct DelimitedText<'a> {
     /// Number of lines before the readings: the line with the names of the columns and, if present, a line with units.
     pub(super) heading: usize,
     columns: usize,
+    /// For each field of a row, the number of elements if the field contains a list, such as `[1, 2]`, and otherwise 0.
+    /// Empty if no field contains a list.
+    lists: Vec<usize>,
 }
 
 impl<'a> DelimitedText<'a> {
@@ -43,6 +46,7 @@ impl<'a> DelimitedText<'a> {
             delimiter,
             heading,
             columns,
+            lists: Vec::new(),
         };
         let fields = split(text, first, delimiter);
         let mut rows = text.rows_after(header_line);
@@ -73,7 +77,34 @@ impl<'a> DelimitedText<'a> {
             }
         }
         heading += usize::from(units.is_some());
-        Ok((table(heading, header.len()), header))
+        let data = text.rows_after(header_line).skip(heading - 1);
+        let data = data.take(DECIDING_ROWS);
+        let data: Vec<_> = data.map(|(row, _)| split(text, row, delimiter)).collect();
+        // `write.table` of R numbers the rows, but it writes no name for the column of these numbers.
+        let counts = |(row, number): (&StringRecord, usize)| {
+            let is_longer = row.len() == header.len() + 1 && !row[header.len()].is_empty();
+            is_longer && tidy(&row[0]).parse() == Ok(number)
+        };
+        if data.len() > 2 && (0..2).any(|start| data.iter().zip(start..).all(counts)) {
+            header.insert(0, String::new());
+        }
+        let mut table = table(heading, 0);
+        if let Some(row) = data.first().filter(|row| row.len() == header.len()) {
+            let count = |field: &str| items(field).map_or(0, Iterator::count);
+            table.lists = row.iter().map(count).collect();
+        }
+        if table.lists.iter().any(|&count| count > 0) {
+            let names = header.iter().zip(&table.lists);
+            let names = names.flat_map(|(name, &count)| match count {
+                0 => vec![name.clone()],
+                _ => (0..count).map(|item| format!("{name}.{item}")).collect(),
+            });
+            header = names.collect();
+        } else {
+            table.lists.clear();
+        }
+        table.columns = header.len();
+        Ok((table, header))
     }
 
     /// Calls `take` for every row that is not blank, no comment and no copy of the header, as in files that were joined.
@@ -102,6 +133,9 @@ impl<'a> DelimitedText<'a> {
                     parts.for_each(|part| fields.push_field(part));
                 }
             }
+            if !self.lists.is_empty() {
+                fields = self.expanded(&fields);
+            }
             if comment(row).is_some() && (fields.len() != self.columns || !has_number(&fields)) {
                 return Ok(());
             }
@@ -122,6 +156,30 @@ impl<'a> DelimitedText<'a> {
             }
         })
     }
+
+    /// The fields of a row, in which each element of a list is a separate field.
+    fn expanded(&self, fields: &StringRecord) -> StringRecord {
+        let counts = self.lists.iter().copied().chain(std::iter::repeat(0));
+        let parts = fields.iter().zip(counts).flat_map(|(field, count)| {
+            let items = items(field).filter(|_| count > 0);
+            items.map_or_else(|| vec![field; count.max(1)], Iterator::collect)
+        });
+        parts.collect()
+    }
+}
+
+/// Elements of a list of numbers in a field, such as `[1, 2]`; `None` if the field contains no list.
+fn items(field: &str) -> Option<impl Iterator<Item = &str>> {
+    let field = tidy(field).trim_start_matches('p');
+    let within = [('[', ']'), ('(', ')')]
+        .into_iter()
+        .find_map(|(open, close)| field.strip_prefix(open)?.strip_suffix(close))?;
+    let items = || {
+        let parts = within.split([',', ';', ' ']);
+        parts.filter(|part| !part.is_empty())
+    };
+    let are_numbers = items().all(|item| item.parse::<f64>().is_ok());
+    (are_numbers && items().nth(1).is_some()).then(items)
 }
 
 /// Whether the first line of a table contains numbers instead of names. The whole numbers 0, 1, 2, … count as names,
@@ -224,10 +282,12 @@ fn recognised(text: Text<'_>, header: &str, header_line: usize) -> Result<Delimi
 /// the header.
 fn has_spaces(names: usize, row: &str) -> bool {
     let mut numbers = row.split_whitespace();
-    let is_spaced = !row.contains('\t') && names > 1 && row.split_whitespace().count() == names;
+    // `write.table` of R writes the name of the row before the numbers.
+    let has_count = (names..names + 2).contains(&row.split_whitespace().count());
+    let is_spaced = !row.contains('\t') && names > 1 && has_count;
     // In a row whose numbers are separated by spaces, a comma inside a number is a decimal comma.
     let is_number =
-        |one: &str| !one.ends_with(',') && one.replacen(',', ".", 1).parse::<f64>().is_ok();
+        |one: &str| !one.ends_with(',') && tidy(one).replacen(',', ".", 1).parse::<f64>().is_ok();
     is_spaced && numbers.all(is_number)
 }
 
