@@ -13,8 +13,10 @@ use super::roll_estimate::RollEstimate;
 use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
-/// Largest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane; the ratio is 1 +
-/// R_probe/R_object. If it is larger, the rotations are probably in degrees, and there is a warning.
+/// Largest usual ratio of a probe's rotation to the rotation that causes the same shift on a plane; the ratio is 1 +
+/// R_probe/R_object. A larger median causes a warning, because shifts in cm under a header with mm increase it tenfold.
+const MAX_USUAL_TURN_RATIO: f64 = 12.0;
+/// Ratio above which a single roll is implausible, because its rotation is probably in degrees.
 const MAX_TURN_RATIO: f64 = 25.0;
 /// Smallest accepted ratio of a probe's rotation to the rotation that causes the same shift on a plane. If the ratio is
 /// smaller, there is a warning, because the rotations are probably in rad although the header states degrees. With
@@ -202,7 +204,7 @@ impl RollRecording {
         };
         let ratios = readings.iter().enumerate().filter_map(ratio);
         // Nearly always, all ratios are usual. Then their median is not needed.
-        let is_usual = |ratio: f64| (MIN_TURN_RATIO..=MAX_TURN_RATIO).contains(&ratio);
+        let is_usual = |ratio: f64| (MIN_TURN_RATIO..=MAX_USUAL_TURN_RATIO).contains(&ratio);
         if most <= TAU && ratios.clone().all(|(ratio, ..)| is_usual(ratio)) {
             return None;
         }
@@ -213,7 +215,7 @@ impl RollRecording {
             .iter()
             .filter(|(ratio, turn, _)| *ratio > MAX_TURN_RATIO && *turn > MAX_SHARP_TURN_RAD);
         Some(match wrong.next_back() {
-            wrong if median > MAX_TURN_RATIO => (
+            wrong if median > MAX_USUAL_TURN_RATIO => (
                 format!(
                     "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}",
                     shown(median),
