@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use palpate_study::readings::{COLUMNS, Column, ColumnUnit, Measure, spelt};
 
 use super::heading::{
-    Heading, has_no_need, has_unit, is_quaternion, is_similar, no_unit, suffix, two_units,
-    unknown_unit,
+    Heading, has_no_need, has_unit, is_quaternion, is_similar, is_value, no_unit, suffix,
+    two_units, unknown_unit,
 };
 use super::table_format::pair;
 use super::table_layout::is_of_rostopic;
@@ -39,6 +39,23 @@ impl<'a> Header<'a> {
             };
             if COLUMNS.quaternion.into_iter().all(is_there) {
                 headings[index].part = Some(column);
+            }
+        }
+        // MATLAB numbers the columns of a vector from 1.
+        let bases: Vec<String> = headings.iter().map(|one| one.base.clone()).collect();
+        for heading in &mut headings {
+            let Some((start, number)) = heading.base.rsplit_once('_') else {
+                continue;
+            };
+            let has = |number: &i32| {
+                let name = format!("{start}_{number}");
+                bases.iter().filter(|base| **base == name).count() == 1
+            };
+            let is_vector = [1, 2, 3].iter().all(has) && ![0, 4].iter().any(has);
+            if let Some(axis) = ["1", "2", "3"].iter().position(|one| *one == number)
+                && is_vector
+            {
+                heading.base = format!("{start}_{}", &"xyz"[axis..=axis]);
             }
         }
         // In files of trajectories, tx, ty and tz are positions. In files with columns of forces, they are torques.
@@ -274,6 +291,7 @@ impl<'a> Header<'a> {
             .iter()
             .map(|column| format!("`{}`", column.name))
             .collect();
+        let mut names_in_file = self.headings.iter().map(|heading| heading.name);
         let plural = if missing.len() > 1 { "s" } else { "" };
         let mut message = format!(
             "no column{plural} {}; {}; the columns must be {wanted}",
@@ -303,26 +321,38 @@ impl<'a> Header<'a> {
             let is_only = free.len() == missing.len();
             is_only.then(|| self.only_pairs(missing, &free)).flatten()
         };
-        if let Some(mut pairs) = self.proposed(missing, &mut rest) {
-            let mut others = rest.clone();
-            let other = self.proposed(missing, &mut others);
-            // If more than two groups of columns are similar to the missing columns, do not list them all. The setting
-            // `columns` assigns only one of them.
-            if self.proposed(missing, &mut others).is_some() {
-                message +=
-                    "; several groups of columns are alike, and a setting reads only one of them";
-                let mut labels = optional
-                    .iter()
-                    .filter(|column| matches!(column.name, "finger" | "probe"));
-                message += &labels.next().map_or(String::new(), |label| {
-                    let (label, stem) = (label.name, missing[0].stem());
-                    format!(" (names such as `{label}1_{stem}` read all of them)")
-                });
+        let groups = std::iter::from_fn(|| self.proposed(missing, &mut rest));
+        let mut groups: Vec<_> = groups.collect();
+        let (labels, others): (Vec<Column>, Vec<Column>) =
+            (optional.iter()).partition(|column| matches!(column.name, "finger" | "probe"));
+        let is_twice = |name: &&str| {
+            let groups = groups.iter().flatten();
+            groups.filter(|(_, other)| other == name).nth(1).is_some()
+        };
+        if let Some(name) = names_in_file.clone().find(is_twice) {
+            message += &format!("; column `{name}` occurs twice; rename one of them");
+        } else if let Some(value) = names_in_file.find(|name| is_value(name)) {
+            message += &format!(
+                "; `{value}` contains a number: the first line must name the columns, and the lines below must consist of numbers"
+            );
+        } else if let ([label], [_, _, _, ..]) = (&labels[..], &groups[..]) {
+            // More than two similar groups of columns are probably those of several fingers.
+            for (group, number) in groups.iter_mut().zip(1..) {
+                group.extend(self.optional(&others, &mut rest));
+                for (key, _) in group {
+                    *key = format!("{}{number}_{key}", label.name);
+                }
             }
+            let setting = setting(&groups.concat());
+            message += &format!(
+                "; write {setting} if each group of columns is of one {}",
+                label.name
+            );
+        } else if let [pairs, more @ ..] = &mut groups[..] {
             pairs.extend(self.optional(optional, &mut rest));
-            message += &format!("; write {}", setting(&pairs));
-            if let Some(other) = other {
-                message += &format!(" or {}", setting(&other));
+            message += &format!("; write {}", setting(pairs));
+            if let [other, ..] = more {
+                message += &format!(" or {}", setting(other));
             }
         } else if let Some(pairs) = only() {
             message += &format!("; write {} if these are the same", setting(&pairs));
@@ -352,7 +382,7 @@ impl<'a> Header<'a> {
 
     /// Proposed assignments for optional columns, as pairs of names. A quantity may have one column per axis. Its
     /// columns are assigned only together: for each, the file must have an unused column with a similar name.
-    fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<String> {
+    fn optional(&self, may: &[Column], free: &mut Vec<usize>) -> Vec<Pair> {
         let quantity = |column: &Column| match column.stem().rsplit_once('_') {
             Some((quantity, axis)) if axis.len() == 1 => quantity,
             _ => column.stem(),
@@ -371,7 +401,7 @@ impl<'a> Header<'a> {
 
     /// Proposed assignments for the missing columns; `None` if no unused name in the file is similar to the name of a
     /// missing column.
-    fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Option<Vec<String>> {
+    fn proposed(&self, missing: &[Column], free: &mut Vec<usize>) -> Option<Vec<Pair>> {
         let mut pair_of = |column: &Column| {
             let similar = |&index: &usize| is_similar(column, &self.headings[index]);
             let place = free.iter().position(similar)?;
@@ -382,24 +412,21 @@ impl<'a> Header<'a> {
 
     /// Pair of names that assigns a column of the file to palpate's `column`. The pair contains a unit only if the
     /// column's name in the file states none.
-    fn pair_of(&self, column: &Column, index: usize) -> String {
+    fn pair_of(&self, column: &Column, index: usize) -> Pair {
         let heading = &self.headings[index];
         let states = heading.bracket.is_some() || suffix(heading, column).ok().flatten().is_some();
-        match column.measure {
-            _ if states => pair(column.stem(), heading.name),
-            Measure::Angle if self.is_in_degrees => {
-                pair(&format!("{}_deg", column.stem()), heading.name)
-            }
-            Measure::Length if self.is_in_metres => {
-                pair(&format!("{}_m", column.stem()), heading.name)
-            }
-            _ => pair(column.name, heading.name),
-        }
+        let key = match column.measure {
+            _ if states => column.stem().to_owned(),
+            Measure::Angle if self.is_in_degrees => format!("{}_deg", column.stem()),
+            Measure::Length if self.is_in_metres => format!("{}_m", column.stem()),
+            _ => column.name.to_owned(),
+        };
+        (key, heading.name.to_owned())
     }
 
     /// Pairs of names that assign the unused columns of the file to the missing columns, in the order of the file.
     /// `None` if the unit of an unused column does not fit.
-    fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<String>> {
+    fn only_pairs(&self, missing: &[Column], free: &[usize]) -> Option<Vec<Pair>> {
         let pairs = missing.iter().zip(free).map(|(column, &index)| {
             let heading = &self.headings[index];
             let last = heading.base.rsplit('_').next().unwrap_or_default();
@@ -428,8 +455,12 @@ impl<'a> Header<'a> {
     }
 }
 
+/// Palpate's name of a column, and its name in the file.
+type Pair = (String, String);
+
 /// Text of the setting `columns` with the pairs of names `pairs`, quoted for a shell.
-fn setting(pairs: &[String]) -> String {
+fn setting(pairs: &[Pair]) -> String {
+    let pairs: Vec<_> = pairs.iter().map(|(key, name)| pair(key, name)).collect();
     let pairs = pairs.join(",").replace('\'', "'\\''");
     format!("setting `columns` '{pairs}'")
 }

@@ -158,6 +158,12 @@ pub(super) fn suffix(heading: &Heading<'_>, column: &Column) -> Result<Option<Co
     }
 }
 
+/// Whether a name in a header contains a number that has a decimal point, such as `x:1.5`.
+pub(super) fn is_value(name: &str) -> bool {
+    let mut words = name.split([':', '=', '>', ' ']);
+    words.any(|word| word.contains('.') && word.parse::<f64>().is_ok())
+}
+
 /// Whether a column's name looks like a component of a quaternion, including numbered components (`q0`).
 pub(super) fn is_quaternion(heading: &Heading<'_>) -> bool {
     let number = heading.base.strip_prefix('q').map(str::parse::<u8>);
@@ -195,9 +201,12 @@ pub(super) fn is_similar(column: &Column, heading: &Heading<'_>) -> bool {
     let is_displacement = column.stem() == "normal_displacement"
         && matches!(words[0], "dn" | "dz" | "un" | "uz" | "normal")
         && words[1..].iter().all(|word| is_unit(word));
+    // A single letter may name the subject of a length with a unit, as in `a:thumb_X [mm]`.
+    let is_named = |word: &&&str| heading.bracket.is_none() || word.len() > 1;
+    let named: Vec<&str> = words.iter().filter(is_named).copied().collect();
     let has_words = match column.stem() {
         label @ ("finger" | "probe") => is_label(label, &words),
-        "x" | "y" | "z" => words.contains(&column.stem()) && may_be_position(&words),
+        "x" | "y" | "z" => words.contains(&column.stem()) && may_be_position(&named),
         stem => stem.split('_').all(|word| words.contains(&word)),
     };
     let is_special = is_probe || is_theta || is_time || is_displacement;

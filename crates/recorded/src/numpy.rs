@@ -124,7 +124,10 @@ impl<'a> NumpyTable<'a> {
         Some(table.map_err(|message| file.error(message)))
     }
 
-    fn single(array: Array<'a>) -> Result<(Self, Vec<String>), String> {
+    fn single(mut array: Array<'a>) -> Result<(Self, Vec<String>), String> {
+        if array.shape.ends_with(&[4, 4]) && array.shape.len() == 3 && !array.is_fortran {
+            array.shape = vec![array.shape[0], 16];
+        }
         let dimensions = array.shape.len();
         let is_plain = array.fields.len() == 1 && array.fields[0].0.is_empty();
         if dimensions != if is_plain { 2 } else { 1 } {

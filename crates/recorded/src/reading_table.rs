@@ -52,7 +52,7 @@ impl ReadingTable {
     ) -> Result<Self, RecordedError> {
         let form = &table.file.form;
         let fail = |message| table.file.fail(table.header_line, message);
-        let mut header = Header::new(&table.header, &form.columns);
+        let mut header = Header::new(&table.header, table.names());
         if header.places(columns, may).is_err() {
             let angles = header.angles(columns);
             table.each(|record| {
@@ -63,8 +63,7 @@ impl ReadingTable {
             })?;
         }
         let places = header.places(columns, may);
-        let places = places
-            .map_err(|message| fail(message + &table.header_hint(&[columns, may].concat())))?;
+        let places = places.map_err(|message| fail(message + &table.header_hint(columns, may)))?;
         let unit = length_unit(&header, columns, &places, form.length_unit).map_err(fail)?;
         let factors: Vec<f64> = columns
             .iter()
@@ -328,7 +327,7 @@ pub(super) fn header<'a>(
     table: &'a TextTable<'_>,
     columns: &[Column],
 ) -> Result<Header<'a>, RecordedError> {
-    let names = &table.file.form.columns;
+    let names = table.names();
     check_names(names, columns).map_err(|FieldError { message, .. }| {
         RecordedError::readings(&table.file.name, format!("setting `columns`: {message}"))
     })?;

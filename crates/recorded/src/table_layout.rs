@@ -1,6 +1,8 @@
 //! Recognises columns in tables whose headers do not have palpate's names. Such tables are tables without a header,
 //! logs of rostopic, and wide tables. In a wide table, the columns of several fingers are side by side.
 
+use std::collections::BTreeMap;
+
 use palpate_study::readings::{COLUMNS, Column, Measure, quaternion_part, spelt};
 
 use super::heading::{Heading, bracketed, is_similar, may_be_position};
@@ -146,6 +148,36 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     Some(header)
 }
 
+/// Indices of the columns of a 4 x 4 matrix, in the order of the numbers in their names. `None` if there is no such
+/// matrix.
+pub(super) fn transform(header: &[String]) -> Option<Vec<usize>> {
+    let numbers: [fn(usize) -> String; 4] = [
+        |place| format!("{}{}", place / 4, place % 4),
+        |place| format!("{}{}", place / 4 + 1, place % 4 + 1),
+        |place| place.to_string(),
+        |place| (place + 1).to_string(),
+    ];
+    list(header, |_| true, &numbers, 16)
+}
+
+/// Header of a table in which the user assigned names such as `finger1_x` to columns. The names get the units of the
+/// columns in the file.
+pub(super) fn assigned(header: &[String], names: &BTreeMap<String, String>) -> Vec<String> {
+    let name = |own: &String| {
+        let Some((key, _)) = names.iter().find(|(_, name)| name.trim() == own.trim()) else {
+            return own.clone();
+        };
+        let heading = Heading::of(own);
+        let last = heading.base.rsplit('_').next();
+        let unit = heading.bracket.or(last);
+        match unit.filter(|unit| Measure::Length.unit(unit).is_some()) {
+            Some(unit) => format!("{key} [{unit}]"),
+            None => key.clone(),
+        }
+    };
+    header.iter().map(name).collect()
+}
+
 /// Indices of the `count` columns that contain the elements of one list, such as a matrix. Their names begin with the
 /// same words and end with the number of the element. `numbers` contains the possible forms of this number.
 fn list(
@@ -154,18 +186,26 @@ fn list(
     numbers: &[fn(usize) -> String],
     count: usize,
 ) -> Option<Vec<usize>> {
-    let names: Vec<_> = header.iter().map(|name| numbered(name)).collect();
-    let (start, _) = names
-        .iter()
-        .find(|(start, numbers)| is_start(start) && !numbers.is_empty())?;
-    let place = |number: String| {
-        let is_it =
-            |name: &(Vec<String>, Vec<String>)| name.0 == *start && name.1.concat() == number;
-        names.iter().position(is_it)
+    let names = header.iter().map(|name| numbered(name));
+    let names: Vec<(Vec<String>, String)> = names
+        .map(|(start, numbers)| (start, numbers.concat()))
+        .collect();
+    let place = |start: &Vec<String>, number: String| {
+        names
+            .iter()
+            .position(|name| name.1 == number && name.0 == *start)
     };
-    numbers
+    let mut starts = names
         .iter()
-        .find_map(|number| (0..count).map(|element| place(number(element))).collect())
+        .filter(|(start, numbers)| is_start(start) && !numbers.is_empty());
+    starts.find_map(|(start, _)| {
+        let of = |number: &fn(usize) -> String| {
+            (0..count)
+                .map(|element| place(start, number(element)))
+                .collect()
+        };
+        numbers.iter().find_map(of)
+    })
 }
 
 /// Splits a column name into its words and the numbers after the words.

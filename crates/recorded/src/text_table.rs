@@ -1,17 +1,21 @@
 //! Reads tables of any file format as rows of text fields.
 
-use csv::StringRecord;
-use palpate_study::readings::{COLUMNS, Column, Measure};
+use std::collections::BTreeMap;
 
-use super::delimited_text::{DelimitedText, names};
+use csv::StringRecord;
+use palpate_study::readings::{COLUMNS, Column, Measure, of_key};
+
+use super::delimited_text::{DelimitedText, names, tidy};
 use super::error::RecordedError;
 use super::file::RecordedFile;
 use super::header::Header;
+use super::heading::is_value;
 use super::json_table::JsonTable;
 use super::numpy::NumpyTable;
 use super::table_format::Delimiter;
 use super::table_layout::{
-    Wide, is_of_rostopic, names_by_order, numbered_quaternion, of_matrix, of_rostopic, wide,
+    Wide, assigned, is_of_rostopic, names_by_order, numbered_quaternion, of_matrix, of_rostopic,
+    transform, wide,
 };
 
 /// If the first line of a file lacks columns, it may be a title. The error message then names the later line that looks
@@ -88,7 +92,8 @@ impl<'a> TextTable<'a> {
 
     /// Recognises columns that do not have palpate's names. Columns that the setting `columns` names are not changed.
     fn name_columns(&mut self, orders: &[&[Column]]) -> Result<(), String> {
-        let is_named = !self.file.form.columns.is_empty();
+        let names = &self.file.form.columns;
+        let is_named = !names.is_empty();
         let count = match &self.format {
             Format::Numpy(table) => table.columns(),
             _ => self.header.len(),
@@ -96,34 +101,32 @@ impl<'a> TextTable<'a> {
         let counts = |(name, place): (&String, usize)| *name == place.to_string();
         if self.header.iter().zip(0..).all(counts) {
             self.header = (0..count).map(|place| place.to_string()).collect();
-            if !is_named && !orders.is_empty() {
-                let has = |count| orders.iter().any(|order| order.len() == count);
-                if let Format::Numpy(NumpyTable { rows, .. }) = self.format
-                    && count > rows
-                    && has(rows)
-                    && !has(count)
-                {
-                    return Err(format!(
-                        "an array of shape ({rows}, {count}) has one column per reading; transpose it (.T), because one row per reading is needed"
-                    ));
-                }
-                self.header = names_by_order(count, orders, self.leading())?;
-                let names = self.header.join(",");
-                let numbers = match &self.format {
-                    Format::Delimited(text) if text.heading > 0 => {
-                        ", and the first line numbers them"
-                    }
-                    _ => "",
-                };
-                self.note = Some(format!(
-                    "the columns have no names{numbers}; they are read as {names}"
+        }
+        self.name_transforms();
+        if !is_named && !orders.is_empty() && self.header.iter().zip(0..).all(counts) {
+            let has = |count| orders.iter().any(|order| order.len() == count);
+            if let Format::Numpy(NumpyTable { rows, .. }) = self.format
+                && count > rows
+                && has(rows)
+                && !has(count)
+            {
+                return Err(format!(
+                    "an array of shape ({rows}, {count}) has one column per reading; transpose it (.T), because one row per reading is needed"
                 ));
             }
+            self.header = names_by_order(count, orders, self.leading())?;
+            let names = self.header.join(",");
+            let numbers = match &self.format {
+                Format::Delimited(text) if text.heading > 0 => ", and the first line numbers them",
+                _ => "",
+            };
+            self.note = Some(format!(
+                "the columns have no names{numbers}; they are read as {names}"
+            ));
         }
         let Some(columns) = orders.last() else {
             return Ok(());
         };
-        let names = &self.file.form.columns;
         let is_free = |name: &String| names.values().all(|one| one.trim() != name.trim());
         if columns.contains(&COLUMNS.matrix[0])
             && let Some(header) = of_matrix(&self.header)
@@ -143,14 +146,16 @@ impl<'a> TextTable<'a> {
                 self.numbered_quaternion = Some(own);
             }
         }
-        if is_named {
+        let is_known = |key: &String| of_key(key, columns).is_some();
+        if is_named && names.keys().all(is_known) {
             return Ok(());
         }
         let is_ros = is_of_rostopic(&self.header);
         let length = if is_ros { "m" } else { "" };
-        if let Some(wide) = wide(&self.header, columns, length)? {
+        if let Some(wide) = wide(&assigned(&self.header, names), columns, length)? {
             let header = std::mem::replace(&mut self.header, wide.header.clone());
             self.wide = Some((header, wide));
+        } else if is_named {
         } else if is_ros && let Some((header, pairs)) = of_rostopic(&self.header, columns) {
             self.header = header;
             self.note = Some(format!(
@@ -158,6 +163,59 @@ impl<'a> TextTable<'a> {
             ));
         }
         Ok(())
+    }
+
+    /// Names that the user assigned to single columns. In a wide table, they are already in the header.
+    pub(super) const fn names(&self) -> &'a BTreeMap<String, String> {
+        static NONE: BTreeMap<String, String> = BTreeMap::new();
+        match self.wide {
+            Some(_) => &NONE,
+            None => &self.file.form.columns,
+        }
+    }
+
+    /// Names the columns of a table whose rows contain homogeneous 4 x 4 matrices. The last row of such a matrix, which
+    /// is 0, 0, 0, 1, shows whether the elements are listed by rows or by columns.
+    fn name_transforms(&mut self) {
+        let mut assigned = self.file.form.columns.values();
+        let is_free = |&place: &usize| assigned.all(|name| name.trim() != self.header[place]);
+        let places = transform(&self.header).filter(|places| places.iter().all(is_free));
+        let Some(places) = places else {
+            return;
+        };
+        let (mut is_by_rows, mut is_by_columns) = (true, true);
+        let is_read = self.rows(|Record { fields, .. }| {
+            let is_last = |elements: [usize; 4]| {
+                let mut numbers = elements.iter().zip([0.0, 0.0, 0.0, 1.0]);
+                numbers.all(|(&element, number)| {
+                    let field = fields.get(places[element]);
+                    field.is_some_and(|field| tidy(field).parse() == Ok(number))
+                })
+            };
+            is_by_rows &= is_last([12, 13, 14, 15]);
+            is_by_columns &= is_last([3, 7, 11, 15]);
+            Ok(())
+        });
+        if is_read.is_err() || is_by_rows == is_by_columns {
+            return;
+        }
+        let own = [0, 15].map(|element| self.header[places[element]].clone());
+        for (element, &place) in places.iter().enumerate() {
+            let [row, column] = match is_by_rows {
+                true => [element / 4, element % 4],
+                false => [element % 4, element / 4],
+            };
+            self.header[place] = match (row, column) {
+                (3, _) => String::new(),
+                (row, 3) => "xyz"[row..=row].to_owned(),
+                (row, column) => COLUMNS.matrix[3 * row + column].name.to_owned(),
+            };
+        }
+        let order = if is_by_rows { "rows" } else { "columns" };
+        self.note = Some(format!(
+            "the columns `{}` to `{}` are read as 4 x 4 matrices, listed by {order}",
+            own[0], own[1]
+        ));
     }
 
     /// Whether the first column of a table without a header may contain the numbers of fingers, and the number of
@@ -195,22 +253,29 @@ impl<'a> TextTable<'a> {
         self.wide.as_ref().map(|(_, wide)| wide.groups.len())
     }
 
-    /// Hint for a file whose first line is not its header, but a title: the line that names some of `columns`.
-    pub(super) fn header_hint(&self, columns: &[Column]) -> String {
+    /// Hint for a file whose first line is not its header, but a title: the line that names the columns.
+    pub(super) fn header_hint(&self, required: &[Column], may: &[Column]) -> String {
         let Format::Delimited(DelimitedText { text, heading, .. }) = &self.format else {
             return String::new();
         };
         let is_header = |row: &str| {
             Delimiter::ALL.into_iter().find_map(|delimiter| {
                 let header: Vec<String> = names(*text, row, delimiter);
+                if header.iter().any(|name| is_value(name)) {
+                    return None;
+                }
                 let header = Header::new(&header, &self.file.form.columns);
-                let places = columns.iter().map(|column| header.place(column));
+                let places = required
+                    .iter()
+                    .chain(may)
+                    .map(|column| header.place(column));
                 let is_twice = |_: &_| self.file.form.columns.is_empty();
                 let is_name = |place: &Result<Option<_>, _>| {
                     place.as_ref().map_or_else(is_twice, Option::is_some)
                 };
                 let found: Vec<_> = places.filter(is_name).collect();
-                (found.len() > 1).then(|| found.iter().any(Result::is_err))
+                (found.len() > 1 || header.offers(required))
+                    .then(|| found.iter().any(Result::is_err))
             })
         };
         let rows = text.rows_after(self.header_line);
