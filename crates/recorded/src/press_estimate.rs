@@ -123,7 +123,14 @@ fn of_distinct(
     let estimate = fit.estimate(&reading);
     let checked = alone.check_indentation(&reading, estimate.as_ref().ok());
     let (contradiction, unchecked) = indentation_check(checked);
-    let warning = |misfit: &Misfit| misfit_warning(misfit, source, unit);
+    let is_half_space = matches!(options.estimator, PressEstimatorConfig::HalfSpace { .. });
+    let warning = |misfit: &Misfit| {
+        let mut warning = misfit_warning(misfit, source, unit);
+        if is_half_space && matches!(misfit, Misfit::NotRound { .. }) {
+            warning.text += "; setting `method` elliptic estimates both principal curvatures";
+        }
+        warning
+    };
     let estimate = estimate.map_err(|error| {
         let cause = contradiction.as_ref().map(warning);
         self::refused(recorded, options, &error, cause)
