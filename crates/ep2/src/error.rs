@@ -116,8 +116,8 @@ pub enum Ep2Error {
     /// so the stated radius of the tip is probably too large.
     #[error(
         "the path of the tip's centre has a radius of curvature of {turns:.6}, which is \
-         impossible for a tip of radius {tip_radius} on an object; is the radius too large, or \
-         are the readings contact points?",
+         impossible for a tip of radius {tip_radius} on an object; is the radius too large or \
+         in another unit, or are the readings contact points?",
         turns = Number(*turns), tip_radius = Number(*tip_radius)
     )]
     TipTooLarge {

@@ -21,7 +21,7 @@ use super::glide_report::{
     GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, of_size, tidy,
 };
 use super::glide_warnings::{
-    FoundNoise, directions, distant, misfit_warnings, normals, spacing, stated_noise,
+    FoundNoise, directions, distant, extent, misfit_warnings, normals, spacing, stated_noise,
 };
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
 use super::press_report::Radius;
@@ -399,6 +399,7 @@ impl<'r> GlideFitResult<'r> {
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
             .chain(Warning::of(StatedQuantity::Scale.code(), other_tip))
+            .chain(Warning::of("units", extent(contacts, unit)))
             .chain(side)
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))

@@ -202,6 +202,22 @@ pub(super) fn misfit_warnings(
 /// deviations.
 const MAX_LENGTH_ERROR: f64 = 0.1;
 
+/// Usual extents (m) of the contacts of a glide, from the smallest to the largest.
+const USUAL_EXTENTS: [f64; 2] = [1e-4, 10.0];
+
+/// Text about contacts whose extent is unusual for a stated unit of m, cm or mm; `None` if the extent is usual.
+pub(super) fn extent(contacts: &[Contact], unit: LengthUnit) -> Option<String> {
+    let metres = (unit != LengthUnit::Um).then(|| unit.to(LengthUnit::M))??;
+    let first = contacts.first()?.position;
+    let distances = contacts.iter().map(|one| (one.position - first).norm());
+    let extent = distances.fold(0.0, f64::max);
+    let [least, most] = USUAL_EXTENTS.map(|usual| usual / metres);
+    (extent > 0.0 && !(least..=most).contains(&extent)).then(|| {
+        let (extent, unit) = (Number::rounded(extent), unit.as_str());
+        format!("all contacts are within {extent} {unit} of the first contact: are their positions in {unit}?")
+    })
+}
+
 /// Warnings about likely mistakes in the normals of contacts.
 pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let all = || contacts.iter().filter_map(|contact| contact.normal);

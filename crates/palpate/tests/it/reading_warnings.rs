@@ -130,6 +130,7 @@ const ROLL_MISTAKES: &str = "
 const GLIDE_MISTAKES: &str = "
 4 5 6 | 57.296 | lengths of about 57.3
 4 5 6 | -1 | point to -z
+1 2 3 | 1e-3 | are their positions in mm?
 ";
 
 #[test]
