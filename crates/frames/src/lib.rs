@@ -51,6 +51,11 @@ pub enum FrameError {
     /// The end of a JPEG file is missing.
     #[error("is a truncated JPEG image: the marker of its end is missing")]
     Truncated,
+    /// The colours of the pixels were reduced to those of a palette.
+    #[error(
+        "has a palette of at most 256 colours, which changes the colours of the markers; save it with all colours"
+    )]
+    Palette,
     /// The decoder cannot decode the file.
     #[error("is a broken or truncated {format} image: {source}")]
     Broken {
@@ -64,8 +69,8 @@ pub enum FrameError {
     Transparent,
 }
 
-/// Decodes an image as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. Transparent pixels are
-/// an error, because they have no colour. An alpha channel without transparent pixels is allowed.
+/// Decodes an image as 8-bit RGB. Images with 16 bits or grey levels are converted. Colours from a palette are an error,
+/// because they differ from the colours of the markers. Transparent pixels are an error, because they have no colour. An alpha channel without transparent pixels is allowed.
 ///
 /// # Errors
 /// [`FrameError`] if the bytes are no PNG, JPEG, BMP, TIFF or WebP image, if the image is broken or truncated, if a
@@ -104,7 +109,17 @@ pub fn decode(bytes: &[u8]) -> Result<(RgbImage, Option<Compression>), FrameErro
     {
         return Err(FrameError::Transparent);
     }
-    Ok((image.into_rgb8(), Compression::of(format, bytes)))
+    let is_indexed = match format {
+        ImageFormat::Png => bytes.get(25) == Some(&3),
+        ImageFormat::Bmp => bytes.get(28).is_some_and(|&bits| bits <= 8),
+        _ => false,
+    };
+    let image = image.into_rgb8();
+    let mut pixels = image.pixels();
+    if is_indexed && pixels.any(|pixel| pixel.0[0] != pixel.0[1] || pixel.0[1] != pixel.0[2]) {
+        return Err(FrameError::Palette);
+    }
+    Ok((image, Compression::of(format, bytes)))
 }
 
 /// Encodes an image as PNG. If `size` is given, the image is first reduced to this width and height; each pixel then has

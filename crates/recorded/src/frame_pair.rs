@@ -59,7 +59,7 @@ impl Frame {
     }
 }
 
-/// Decodes a frame as 8-bit RGB. Images with 16 bits, grey levels or a palette are converted. Transparent pixels are an
+/// Decodes a frame as 8-bit RGB. Images with 16 bits or grey levels are converted. Transparent pixels are an
 /// error, because they have no colour. An alpha channel without transparent pixels is allowed.
 ///
 /// # Errors

@@ -274,6 +274,12 @@ fn frames_of_all_formats_have_the_same_pixels() {
             .unwrap_err()
             .contains("is not a PNG, JPEG, BMP, TIFF or WebP image")
     );
+    let indexed = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x02\0\0\0\x01\x01\x03\0\0\0\xce\xec\xed\xc9\0\0\0\x06PLTE\xff\0\0\0\xff\0\xd2\x87\xefq\0\0\0\nIDATx\x9ccp\0\0\0B\0A)7\xf4\xef\0\0\0\0IEND\xaeB`\x82";
+    assert!(
+        frame(indexed)
+            .unwrap_err()
+            .contains("has a palette of at most 256 colours")
+    );
     // `linearised` must convert levels from sRGB to linear light.
     let mut image = RgbImage::new(3, 1);
     for (pixel, level) in image.pixels_mut().zip([0, 188, 255]) {
