@@ -64,6 +64,8 @@ const MIN_REST_DISTANCE: f64 = 4.0;
 /// Four fifths of the contacts are within some distance of the median position. A contact beyond this multiple of the
 /// distance may be a lost reading, such as 9999.
 const MIN_FAR_RATIO: f64 = 10.0;
+/// Largest share of lost readings with one number as their farthest coordinate.
+const MAX_LOST_SHARE: f64 = 0.5;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.
 const MAX_RESIDUALS: usize = 60_000;
@@ -374,19 +376,28 @@ fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
     let centre = Point3::from([0, 1, 2].map(|axis| median(coordinates(axis))));
     let distance = |one: &Contact| (one.position - centre).norm();
     let mut distances: Vec<f64> = contacts.iter().map(distance).collect();
-    let place = (distances.len() as f64 * (1.0 - MAX_OUTLIER_SHARE)) as usize;
-    let (_, &mut usual, _) = distances.select_nth_unstable_by(place, f64::total_cmp);
-    let is_near = |one: &&Contact| distance(one) <= MIN_FAR_RATIO * usual;
-    let blocks = contacts.chunk_by(|one, other| is_near(&one) == is_near(&other));
-    let mut far = blocks.filter(|block| !is_near(&&block[0])).peekable();
-    far.peek()?;
     // Many successive far contacts count as lost readings only if their farthest coordinate is the same number in all
     // of them. The other coordinates may be correct.
+    let wrong = |one: &Contact| farthest(&one.position, &centre);
     let is_lost = |block: &[Contact]| {
-        let wrong = |one: &Contact| farthest(&one.position, &centre);
         block.len() <= MAX_BLOCK || block.iter().all(|one| wrong(one) == wrong(&block[0]))
     };
-    far.all(is_lost)
+    let mut without = |share: f64| {
+        let place = (distances.len() as f64 * (1.0 - share)) as usize;
+        let (_, &mut usual, _) = distances.select_nth_unstable_by(place, f64::total_cmp);
+        let is_near = move |one: &&Contact| distance(one) <= MIN_FAR_RATIO * usual;
+        let far = contacts.iter().find(|one| !is_near(one))?;
+        Some((is_near, wrong(far)))
+    };
+    if let Some((is_near, _)) = without(MAX_OUTLIER_SHARE) {
+        let mut blocks = contacts.chunk_by(|one, other| is_near(&one) == is_near(&other));
+        let are_lost = blocks.all(|block| is_near(&&block[0]) || is_lost(block));
+        return are_lost.then(|| contacts.iter().filter(is_near).copied().collect());
+    }
+    // If there are more lost readings, their farthest coordinate must be the same number in all of them.
+    let (is_near, number) = without(MAX_LOST_SHARE)?;
+    let mut far = contacts.iter().filter(|one| !is_near(one));
+    far.all(|one| wrong(one) == number)
         .then(|| contacts.iter().filter(is_near).copied().collect())
 }
 
