@@ -64,6 +64,11 @@ const MAX_COMPARED: usize = 2000;
 /// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
 /// strokes.
 const MAX_FEW_STROKES: usize = 4;
+/// A surface with more effective degrees of freedom than this value is no quadric.
+const MAX_QUADRIC_UNKNOWNS: f64 = 7.5;
+/// Factor of the standard errors of a surface that is no quadric if there are few strokes. The roughness across the
+/// strokes is then estimated from the roughness along them, and waves have different roughnesses in both directions.
+const FEW_STROKES_FACTOR: f64 = 1.25;
 /// Smallest gap between the contacts of two neighbouring strokes, relative to the width of the patch across the
 /// strokes.
 const MIN_GAP: f64 = 0.1;
@@ -193,6 +198,11 @@ impl IndependentFit {
             return Ok(());
         };
         let of_strokes = self.bias_across_strokes(&centre) / stds.mean_std;
+        let is_rough = self.fit.effective_unknowns > MAX_QUADRIC_UNKNOWNS;
+        let of_strokes = match is_rough && of_strokes > 0.0 && !self.patch.has_normals() {
+            true => of_strokes.max(FEW_STROKES_FACTOR),
+            false => of_strokes,
+        };
         if self.fit.mean.is_some() {
             self.widen(of_strokes);
             return Ok(());
