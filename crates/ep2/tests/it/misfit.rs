@@ -154,25 +154,3 @@ fn noise_three_times_the_stated_one_is_a_poor_fit() {
         }
     }
 }
-
-#[test]
-fn of_many_contacts_some_are_tested() {
-    let many = Sweep {
-        contacts_per_finger: 900,
-        ..SWEEP
-    };
-    let found = misfit(
-        &Quadric {
-            noise: stated(&many),
-        },
-        &many.contacts(SADDLE, 3),
-    );
-    let goodness = found.goodness.unwrap();
-    // Only every third of the 4,500 contacts is tested. Each tested contact has three equations, and the quadric has
-    // six parameters.
-    assert_eq!(goodness.freedom, 3 * 1500 - 6);
-    assert!(
-        goodness.p_value > 1e-3 && found.misfits.is_empty(),
-        "{found:?}"
-    );
-}

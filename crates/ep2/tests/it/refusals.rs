@@ -49,15 +49,7 @@ fn sphere() -> Vec<Contact> {
 }
 
 #[test]
-fn too_few_contacts_are_refused() {
-    assert_eq!(outcomes(&[]), ["too-few-contacts"; 3]);
-    assert_eq!(outcomes(&plain([[0.0; 3]])), ["too-few-contacts"; 3]);
-    let five = (0..5).map(|step| [f64::from(step), f64::from(step * step), 0.0]);
-    assert_eq!(outcomes(&plain(five)), ["too-few-contacts"; 3]);
-}
-
-#[test]
-fn points_lines_and_curves_are_refused_or_uncertain() {
+fn points_lines_and_curves_are_refused() {
     let point = plain(std::iter::repeat_n([3.0, -1.0, 2.0], 1000));
     assert_eq!(outcomes(&point), ["coincident"; 3]);
     let line = plain((0..40).map(|step| [0.1 * f64::from(step), 0.2 * f64::from(step), 1.0]));
@@ -76,24 +68,6 @@ fn points_lines_and_curves_are_refused_or_uncertain() {
     });
     for outcome in outcomes(&plain(curve)) {
         assert_ne!(outcome, "result");
-    }
-    // With normals, the slope across the curve is determined, but not the derivative of this slope. So the curvature is
-    // very uncertain.
-    let mut one_finger = sphere();
-    one_finger.truncate(10);
-    for contact in &mut one_finger {
-        contact.position.y = 0.0;
-    }
-    let patch = Patch::new(&one_finger, &Vector3::z());
-    for method in &methods()[..2] {
-        if let Ok(fit) = patch.clone().and_then(|patch| method.fit(&patch)) {
-            let found = fit.centre().unwrap().curvature;
-            let std = found.uncertainty.unwrap().mean_std;
-            assert!(
-                std > 0.1 && (found.mean - 0.2).abs() < 4.0 * std,
-                "{found:?}"
-            );
-        }
     }
 }
 
