@@ -377,15 +377,18 @@ impl<'r> GlideFitResult<'r> {
             .flatten()
             .map(|found| stated_noise(stated, &found, unit));
         let stroke = self.stroke.as_ref();
-        let (shape, noise) = match &self.surface {
+        let (fitted, distinct, noise, shape) = match &self.surface {
             Surface::Graph(graph) => {
-                let is_penalised = matches!(graph.0, GlideFit::Penalised(_));
-                let noise = graph.1.fit.noise.filter(|_| is_penalised);
-                (None, noise.map(|noise| noise.position_std))
+                let (method, graph) = &**graph;
+                let is_penalised = matches!(method, GlideFit::Penalised(_));
+                let noise = graph.fit.noise.filter(|_| is_penalised);
+                let noise = noise.map(|noise| noise.position_std * graph.noise_ratios[0]);
+                (&graph.contacts, graph.contacts.len(), noise, None)
             }
             Surface::Shape(fit) => {
                 let is_chosen = fit.probabilities.is_some() && !fit.is_none_of_these();
-                (Some(&**fit), is_chosen.then_some(fit.rms_misfit))
+                let noise = is_chosen.then_some(fit.rms_misfit);
+                (contacts, used.readings.distinct, noise, Some(&**fit))
             }
         };
         let has_side = stroke.is_some() || !self.is_open();
@@ -405,9 +408,9 @@ impl<'r> GlideFitResult<'r> {
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
             .chain(two_groups(
-                contacts,
+                fitted,
                 &self.centre.normal,
-                &used.readings,
+                distinct,
                 noise,
                 unit,
             ))

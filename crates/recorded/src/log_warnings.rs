@@ -39,40 +39,49 @@ const MIN_CLEAR_GAPS_RATIO: f64 = 3.0;
 /// largest gap may be the distance between two strokes.
 const MIN_GAPS_RATIO: f64 = 1.3;
 /// Largest number of contacts with which two groups are compared.
-const MAX_CONTACTS: usize = 2000;
+const MAX_CONTACTS: usize = 300;
 /// Two groups of contacts count as two objects only if the mean square distance of the contacts from a common surface
 /// exceeds that from separate surfaces by this share of the mean square distance of a group from its own plane.
 const MIN_EXCESS: f64 = 0.02;
 /// Two groups of contacts count as two objects only if the p-value of a common surface is below this value. The limit is
 /// small, because surfaces that are no polynomials fit a common polynomial worse than two polynomials.
 const MAX_P_VALUE: f64 = 1e-4;
+/// Largest assumed correlation of successive residuals.
+const MAX_CORRELATION: f64 = 0.95;
 /// Groups without a gap are tested only if the noise is at least this share of half the side of the patch. Smaller
 /// residuals may be the error of the estimated surface.
 const MIN_NOISE: f64 = 1e-3;
 /// Groups without a gap count as two surfaces only if separate quadrics fit better than the estimated surface by this
-/// ratio of standard deviations. Two quadrics may also fit a wave better, but not by this ratio.
-const MIN_QUADRICS_RATIO: f64 = 1.5;
-/// Quadrics follow correlated noise better than independent noise. Therefore `MIN_QUADRICS_RATIO` is multiplied by the
-/// number of consecutive contacts that count as one independent contact, but at most by this factor.
-const MAX_CORRELATION: f64 = 2.0;
+/// ratio of standard deviations. Smaller ratios may come from the error of the estimated noise.
+const MIN_QUADRICS_RATIO: f64 = 1.2;
+/// Groups without a gap count as two surfaces only if the logarithm of the likelihood ratio of two quadrics and the
+/// estimated surface is at least this value. It is large because many splits are tried.
+const MIN_LOG_RATIO: f64 = 30.0;
+/// Number of parameters of two quadrics and of the line that separates them.
+const TWO_QUADRICS: f64 = 14.0;
+/// Smallest number of independent contacts, less the parameters of two quadrics.
+const MIN_FREEDOM: f64 = 20.0;
 /// Smallest number of contacts in a group that is fitted by a quadric.
 const MIN_GROUP: usize = 9;
 /// Number of directions along which the contacts are sorted and then split into two groups.
 const LINES: usize = 8;
-/// Largest number of splits that are tested for each way of sorting.
+/// Largest number of splits from which a search for two groups starts, for each way of sorting. The contacts are sorted
+/// along `LINES` directions, by their order, and by their fingers.
 const CUTS: usize = 20;
-/// Largest number of tested splits. The contacts are sorted along `LINES` directions, by their order, and by their
-/// fingers. The p-value is multiplied by this number.
-const SPLITS: usize = (LINES + 2) * CUTS;
+/// Largest number of steps of a search.
+const STEPS: usize = 5;
 /// A group of contacts counts as flat if the p-value of a plane through it is above this value.
 const MIN_FLAT_P_VALUE: f64 = 0.01;
 /// Terms of polynomials, as ranges of the terms in [`residual`].
 const IMPLICIT_QUADRIC: Range<usize> = 0..9;
 const PLANE: Range<usize> = 3..6;
 const QUADRIC: Range<usize> = 3..9;
+const QUADRIC_TERMS: usize = 6;
+const CONSTANT: usize = 3;
 const CUBIC: Range<usize> = 3..13;
 /// Index of the height after the terms of polynomials.
 const HEIGHT: usize = 13;
+type Quadric = SVector<f64, QUADRIC_TERMS>;
 type Products = SMatrix<f64, { HEIGHT + 1 }, { HEIGHT + 1 }>;
 /// A term is left out of a fit if the earlier terms almost reproduce it: if the sum of squares of the rest is at most
 /// this share of the term's sum of squares.
@@ -177,17 +186,16 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
 }
 
 /// Warning if the contacts form two groups that do not lie on one simple surface. The groups may be separated by a wide
-/// gap along a line. Without a gap, two groups count as two surfaces if two quadrics fit them much better than the
-/// estimated surface. `noise` is the standard deviation of the contacts about the estimated surface, and `normal` a
-/// normal of this surface.
+/// gap along a line. Without a gap, two groups count as two surfaces if two quadrics fit them clearly better than
+/// the estimated surface. `normal` is a normal of this surface. `distinct` is the number of contacts without copies, and
+/// `noise` the standard deviation of the contacts about the estimated surface.
 pub(super) fn two_groups(
     contacts: &[Contact],
     normal: &Vector3<f64>,
-    readings: &EffectiveReadings,
+    distinct: usize,
     noise: Option<f64>,
     unit: LengthUnit,
 ) -> Option<Warning> {
-    let distinct = readings.distinct;
     let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
     let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
     let patch = Patch::new(&contacts, normal).ok()?;
@@ -205,7 +213,8 @@ pub(super) fn two_groups(
     let mut keys: Vec<Vec<f64>> = lines.map(along).collect();
     keys.push((0..count).map(|row| row as f64).collect());
     keys.push(contacts.iter().map(|one| one.finger as f64).collect());
-    let (mut widest, mut least) = (0.0_f64, f64::INFINITY);
+    let mut widest = 0.0_f64;
+    let mut best = (f64::INFINITY, Vec::new());
     for (line, keys) in keys.iter().enumerate() {
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|one, other| keys[*one].total_cmp(&keys[*other]));
@@ -217,18 +226,19 @@ pub(super) fn two_groups(
         let next = sorted.get(1).copied().unwrap_or(0.0);
         let least_gap = (MIN_GAP * range).min(MIN_CLEAR_GAPS_RATIO * next);
         let least_gap = least_gap.max(MIN_GAPS_RATIO * next);
-        let (mut sum, mut last) = (Products::zeros(), 0);
+        let (mut is_first, mut sum, mut last) = (vec![false; count], Products::zeros(), 0);
         for (cut, gap) in (1..).zip(gaps) {
+            is_first[order[cut - 1]] = true;
             sum += terms[order[cut - 1]];
             let groups = [(sum, cut), (total - sum, count - cut)];
             if line < LINES && gap > least_gap && are_two_surfaces(&total, groups, distinct) {
                 widest = widest.max(gap);
             }
-            let is_tested = cut * CUTS / count > last && gap > 0.0;
-            if is_tested && cut.min(count - cut) >= MIN_GROUP {
+            if cut * CUTS / count > last && gap > 0.0 {
                 last = cut * CUTS / count;
-                let residuals = groups.map(|(sums, _)| residual(&sums, QUADRIC));
-                least = least.min(residuals[0] + residuals[1]);
+                for sign in [1.0, -1.0] {
+                    search(&mut best, is_first.clone(), sum, &total, &terms, sign);
+                }
             }
         }
     }
@@ -244,21 +254,81 @@ pub(super) fn two_groups(
             [("distance", scale * widest)],
         ));
     }
-    let noise = noise? / scale;
-    let freedom = |count: usize| count.saturating_sub(2 * QUADRIC.len());
-    let ratio = noise / (least / freedom(count).max(1) as f64).sqrt();
-    let freedom = freedom(count.min(distinct));
-    let excess = (ratio * ratio - 1.0) * freedom as f64;
-    let p_value = ratio_tail(excess, QUADRIC.len(), freedom as f64, freedom) * SPLITS as f64;
-    let least = MIN_QUADRICS_RATIO * readings.position_correlation.min(MAX_CORRELATION);
-    let is_clear = noise > MIN_NOISE && ratio > least && ratio.is_finite();
-    (is_clear && p_value < MAX_P_VALUE).then(|| {
+    let (noise, (square, residuals)) = (noise? / scale, best);
+    // Quadrics follow correlated noise better than independent noise. Therefore count the independent residuals, whose
+    // number follows from the correlation of successive residuals.
+    let mut order: Vec<usize> = (0..residuals.len()).collect();
+    order.sort_by_key(|&contact| contacts[contact].finger);
+    let pairs = order.windows(2).map(|pair| [pair[0], pair[1]]);
+    let pairs = pairs.filter(|pair| contacts[pair[0]].finger == contacts[pair[1]].finger);
+    let products = pairs.map(|pair| residuals[pair[0]] * residuals[pair[1]]);
+    let correlation = (products.sum::<f64>() / square).clamp(0.0, MAX_CORRELATION);
+    let independent = count as f64 * (1.0 - correlation) / (1.0 + correlation);
+    let ratio = noise / (square / (count as f64 - TWO_QUADRICS)).sqrt();
+    let freedom = independent - TWO_QUADRICS;
+    let is_clear = noise > MIN_NOISE && ratio > MIN_QUADRICS_RATIO && ratio.is_finite();
+    (is_clear && freedom > MIN_FREEDOM && freedom * libm::log(ratio) > MIN_LOG_RATIO).then(|| {
         let text = format!(
             "the contacts scatter {} times as much about the estimated surface as about two separate surfaces: do they belong to two objects, or does the object have an edge?",
             Number::rounded(ratio)
         );
         Warning::new("two-groups", text, [("ratio", ratio)])
     })
+}
+
+/// Searches for two groups of contacts, each on its own quadric, from the groups `is_first`. In each step, the contacts
+/// where the quadric of the first group is higher become the first group (lower if `sign` is −1). If a sum of squared
+/// residuals is smaller than that of `best`, it and the residuals become the new `best`. `terms` contains the
+/// products of all contacts, `total` their sum, and `sum` the sum for the first group.
+fn search(
+    best: &mut (f64, Vec<f64>),
+    mut is_first: Vec<bool>,
+    mut sum: Products,
+    total: &Products,
+    terms: &[Products],
+    sign: f64,
+) {
+    for _ in 0..STEPS {
+        let first = is_first.iter().filter(|one| **one).count();
+        let is_large = first.min(terms.len() - first) >= MIN_GROUP;
+        let quadrics = quadric(&sum).zip(quadric(&(total - sum)));
+        let Some((one, other)) = quadrics.filter(|_| is_large) else {
+            return;
+        };
+        let residuals = |products: &Products| {
+            let terms = products.fixed_view::<QUADRIC_TERMS, 1>(QUADRIC.start, CONSTANT);
+            [&one, &other].map(|quadric| products[(HEIGHT, CONSTANT)] - quadric.dot(&terms))
+        };
+        let residuals: Vec<[f64; 2]> = terms.iter().map(residuals).collect();
+        let own = residuals.iter().zip(&is_first);
+        let own = own.map(|(both, is_first)| both[usize::from(!is_first)]);
+        let square = own.clone().map(|one| one * one).sum::<f64>();
+        if square < best.0 {
+            *best = (square, own.collect());
+        }
+        let mut is_steady = true;
+        for ((is_first, both), one) in is_first.iter_mut().zip(&residuals).zip(terms) {
+            let is_next = sign * (both[1] - both[0]) > 0.0;
+            if is_next != *is_first {
+                sum += if is_next { *one } else { -*one };
+                (*is_first, is_steady) = (is_next, false);
+            }
+        }
+        if is_steady {
+            return;
+        }
+    }
+}
+
+/// Coefficients of the quadric that fits best. `sums` contains the sums of the contacts' products.
+fn quadric(sums: &Products) -> Option<Quadric> {
+    let mut gram = sums
+        .fixed_view::<QUADRIC_TERMS, QUADRIC_TERMS>(QUADRIC.start, QUADRIC.start)
+        .into_owned();
+    let least = RANK_TOLERANCE * gram.trace();
+    (0..QUADRIC_TERMS).for_each(|term| gram[(term, term)] += least);
+    let right = sums.fixed_view::<QUADRIC_TERMS, 1>(QUADRIC.start, HEIGHT);
+    Some(gram.cholesky()?.solve(&right))
 }
 
 /// Whether separate quadrics through two groups of contacts fit clearly better than one surface through both groups:
