@@ -3,7 +3,7 @@
 
 use crate::samples::{QUADRIC_LIKE, Surface, Sweep, TORUS, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
-use palpate_ep2::{Contact, Criterion, Curvature, Method, Noise, Patch, Penalised, Quadric};
+use palpate_ep2::{Contact, Criterion, Curvature, Method, Patch, Penalised, Quadric};
 
 /// For each grid point, the estimated curvature and the true curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
