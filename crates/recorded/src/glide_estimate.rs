@@ -382,8 +382,13 @@ impl<'r> GlideFitResult<'r> {
                 let (method, graph) = &**graph;
                 let is_penalised = matches!(method, GlideFit::Penalised(_));
                 let noise = graph.fit.noise.filter(|_| is_penalised);
-                let noise = noise.map(|noise| noise.position_std * graph.noise_ratios[0]);
-                (&graph.contacts, graph.contacts.len(), noise, None)
+                // If there are copies, use the fitted contacts, which do not contain them.
+                let (fitted, ratio) = match used.readings.distinct == contacts.len() {
+                    true => (contacts, 1.0),
+                    false => (&graph.contacts, graph.noise_ratios[0]),
+                };
+                let noise = noise.map(|noise| noise.position_std * ratio);
+                (fitted, fitted.len(), noise, None)
             }
             Surface::Shape(fit) => {
                 let is_chosen = fit.probabilities.is_some() && !fit.is_none_of_these();

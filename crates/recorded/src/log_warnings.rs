@@ -60,7 +60,7 @@ const MIN_LOG_RATIO: f64 = 30.0;
 /// Number of parameters of two quadrics and of the line that separates them.
 const TWO_QUADRICS: f64 = 14.0;
 /// Smallest number of independent contacts, less the parameters of two quadrics.
-const MIN_FREEDOM: f64 = 20.0;
+const MIN_FREEDOM: f64 = 12.0;
 /// Smallest number of contacts in a group that is fitted by a quadric.
 const MIN_GROUP: usize = 9;
 /// Number of directions along which the contacts are sorted and then split into two groups.
