@@ -18,7 +18,6 @@ mod press_models;
 mod press_trials;
 mod rolling_models;
 mod scene_trials;
-mod stages;
 
 use std::path::Path;
 use std::time::Duration;
@@ -55,34 +54,28 @@ fn ladders() -> Result<Vec<Ladder>> {
     ])
 }
 
-/// Measures all models and settings of every ladder (list of compared entries). Writes `ladders.csv`, `rungs.csv`,
-/// `answers.csv` and `stages.csv`. `report` is called with the name of each step.
+/// Measures all models and settings of every ladder (list of compared entries). Writes `ladders.csv`, `rungs.csv` and
+/// `answers.csv`. `report` is called with the name of each step.
 ///
 /// # Errors An error if a model or setting fails on its scene, the instructions cannot be counted, or a table cannot be
 /// written.
 pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     let ladders = ladders()?;
-    let stages = stages::stages();
-    let stage_evaluations = stages.iter().map(stages::Stage::evaluation);
     if options.counted {
         let scenes = ladders.into_iter().flat_map(|ladder| ladder.scenes);
         let rungs = scenes.flat_map(|scene| scene.rungs);
-        timing::count(rungs.map(|rung| rung.evaluation).chain(stage_evaluations));
+        timing::count(rungs.map(|rung| rung.evaluation));
         return Ok(());
     }
     std::fs::create_dir_all(options.out)
         .with_context(|| format!("cannot make {}", options.out.display()))?;
     report("counting instructions");
-    let scale = rungs(&ladders).chain(stage_evaluations.map(|one| one.scale()));
-    let counts = timing::instructions(&scale.collect::<Vec<u32>>())?;
+    let counts = timing::instructions(&rungs(&ladders).collect::<Vec<u32>>())?;
     if counts.is_none() {
         report(timing::NO_VALGRIND);
     }
     let patience = Duration::from_millis(if options.quick { 10 } else { 250 });
-    let rung_count = rungs(&ladders).count();
-    let mut rung_counts = counts
-        .iter()
-        .flat_map(|counts| counts[..rung_count].iter().copied());
+    let mut rung_counts = counts.into_iter().flatten();
     let mut all = Vec::new();
     for ladder in ladders {
         report(ladder.name);
@@ -100,16 +93,13 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
             });
         }
     }
-    ladder_tables::write(&all, options.machine, options.out)?;
-    report("stages");
-    let stage_counts = counts.as_ref().map(|counts| &counts[rung_count..]);
-    stages::write(&stages, stage_counts, patience, options.out)
+    ladder_tables::write(&all, options.machine, options.out)
 }
 
 /// Number of evaluations per run of each rung (model or setting), ladder by ladder.
 fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
-    let stages = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
-    stages.flat_map(|stage: &SceneRungs| stage.rungs.iter().map(|rung| rung.evaluation.scale()))
+    let scenes = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
+    scenes.flat_map(|scene: &SceneRungs| scene.rungs.iter().map(|rung| rung.evaluation.scale()))
 }
 
 fn measure(

@@ -132,9 +132,8 @@ fn tradeoff(folder: &Files) -> Result<Value, ReportError> {
             }
         })
         .collect();
-    let stages = shown(Records::read(folder, "stages.csv", &[])?.into_parts());
     let promises: Vec<Value> = tradeoff.auto_models.iter().map(auto_model).collect();
-    Ok(context! { ladders, stages, promises, machine => &tradeoff.machine })
+    Ok(context! { ladders, promises, machine => &tradeoff.machine })
 }
 
 fn auto_model(model: &AutoModel) -> Value {

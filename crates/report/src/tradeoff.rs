@@ -1,6 +1,6 @@
-//! Measured speed and accuracy of models. They are in the tables `ladders.csv`, `rungs.csv`, `answers.csv` and
-//! `stages.csv` of one folder. The model `auto` chooses a model for each scene; the optional table `promise.csv` states
-//! how good its choices are.
+//! Measured speed and accuracy of models. They are in the tables `ladders.csv`, `rungs.csv` and `answers.csv` of one
+//! folder. The model `auto` chooses a model for each scene; the optional table `promise.csv` states how good its choices
+//! are.
 
 use crate::records::Records;
 use crate::{Files, ReportError};

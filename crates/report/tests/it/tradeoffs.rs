@@ -22,17 +22,11 @@ rolling,easy,1e-6,closed form,2.2e-16,40,200
 rolling,hard,10 %,RK4 × 8,1e-4,900,6000
 rolling,hard,1e-6,none,,,
 ";
-const STAGES: &str = "scene,stage,median_ns,random_draws
-roll,ideal,40,0
-roll,noise,90,16
-";
-
-fn tables(rungs: &str) -> [(&'static str, String); 4] {
+fn tables(rungs: &str) -> [(&'static str, String); 3] {
     [
         ("ladders.csv", LADDERS.to_owned()),
         ("rungs.csv", rungs.to_owned()),
         ("answers.csv", ANSWERS.to_owned()),
-        ("stages.csv", STAGES.to_owned()),
     ]
 }
 

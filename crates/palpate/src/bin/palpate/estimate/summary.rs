@@ -67,11 +67,9 @@ fn quantity(name: &str, value: &Value) -> Option<String> {
         (OBJECT_RADIUS | MEAN_RADIUS, _) => return None,
         _ => value.get("interval95")?,
     };
-    let unit = value.get("unit")?.as_str()?;
-    let unit = if unit.is_empty() {
-        String::new()
-    } else {
-        format!(" {unit}")
+    let unit = match value.get("unit")?.as_str()? {
+        "" => String::new(),
+        unit => format!(" {unit}"),
     };
     let [low, high] = [0, 1].map(|end| ends[end].as_f64());
     if low == Some(0.0) && high == low {
