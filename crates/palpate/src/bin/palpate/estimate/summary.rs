@@ -62,8 +62,8 @@ pub(super) fn summary(estimate: &Value) -> String {
 /// A radius has an interval if the object is surely convex, or surely concave.
 fn quantity(name: &str, value: &Value) -> Option<String> {
     let ends = match (name, [&value["convex95"], &value["concave95"]]) {
-        (OBJECT_RADIUS | MEAN_RADIUS, [convex, Value::Null]) => convex,
-        (OBJECT_RADIUS | MEAN_RADIUS, [Value::Null, concave]) => concave,
+        (OBJECT_RADIUS | MEAN_RADIUS, [ends @ Value::Array(_), Value::Null]) => ends,
+        (OBJECT_RADIUS | MEAN_RADIUS, [Value::Null, ends @ Value::Array(_)]) => ends,
         (OBJECT_RADIUS | MEAN_RADIUS, _) => return None,
         _ => value.get("interval95")?,
     };
