@@ -70,12 +70,10 @@ fn without_lost(
         libm::hypot(x - at[0], y - at[1])
     };
     let first = distance(&lost[0]);
-    let is_ring = lost
-        .iter()
-        .all(|one| (distance(one) - first).abs() <= MAX_SCATTER * first);
+    let is_equal = |one: &usize| (distance(one) - first).abs() <= MAX_SCATTER * first;
     let is_worse =
         |all: &PressReport| all.residual_variance() > MIN_IMPROVEMENT * report.residual_variance();
-    if is_ring || !all.as_ref().map_or(true, is_worse) {
+    if lost.iter().all(is_equal) || !all.as_ref().map_or(true, is_worse) {
         return all;
     }
     let source = &recorded.source;
@@ -88,13 +86,11 @@ fn without_lost(
     if is_too_many {
         return Err(source.fail(format!("{text}; leave them out of the file")));
     }
-    report
-        .wrong_markers
-        .extend(lost.iter().map(|&marker| recorded.marker(marker)));
+    let markers = lost.iter().map(|&marker| recorded.marker(marker));
+    report.wrong_markers.extend(markers);
     let numbers = [("left_out", lost.len() as f64), ("markers", count as f64)];
-    report
-        .warnings
-        .insert(0, Warning::new("left-out", text, numbers));
+    let warning = Warning::new("left-out", text, numbers);
+    report.warnings.insert(0, warning);
     Ok(report)
 }
 
