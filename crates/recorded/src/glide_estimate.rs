@@ -396,6 +396,10 @@ impl<'r> GlideFitResult<'r> {
                 (contacts, used.readings.distinct, noise, Some(&**fit))
             }
         };
+        let normal = &self.centre.normal;
+        // If the stated noise is too large, it says nothing about the scatter of the contacts.
+        let is_possible = |one: &Warning| one.numbers["stated"] < one.numbers["estimated"];
+        let noise = noise.filter(|_| stated.iter().flatten().all(is_possible));
         let has_side = stroke.is_some() || !self.is_open();
         let side = (has_side && !recorded.has_normals())
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
@@ -412,13 +416,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
-            .chain(two_groups(
-                fitted,
-                &self.centre.normal,
-                distinct,
-                noise,
-                unit,
-            ))
+            .chain(two_groups(fitted, normal, distinct, noise, unit))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
             .chain(misfits)
