@@ -61,10 +61,7 @@ pub(crate) fn track(args: &TrackArgs) -> Result<(), Failure> {
     match &estimate {
         // The warnings of the estimate already include the warnings of the frames.
         Some(Ok(estimate)) => warn(estimate)?,
-        _ => frames
-            .warnings()
-            .iter()
-            .for_each(|warning| output::print_note(warning)),
+        _ => frames.warnings().iter().for_each(output::print_note),
     }
     frames.of_one_sensor().map_err(Failure::work)?;
     match estimate {
