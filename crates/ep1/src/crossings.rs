@@ -20,15 +20,16 @@ const MAX_FOURTH: f64 = 12.0;
 /// the edge. This constant is the smallest assumed width of the range, relative to the whole rotation between the
 /// samples.
 const MIN_WIDTH: f64 = 0.05;
-/// Two crossings of one edge count as one if their rotations differ by less than the uncertain ranges of both, plus this
-/// multiple of the standard deviation of the difference.
+/// Two crossings of one edge count as one crossing if their rotations are almost equal. The largest difference is the
+/// sum of the ranges in which the pad changes, plus this multiple of the difference's standard deviation.
 const NEAR: f64 = 4.0;
 /// Number of earlier crossings with which a crossing is compared.
 const MAX_COMPARED: usize = 200;
 /// Smallest standard deviation (rad) of the rotation at a crossing. A smaller value may be a rounding error.
 const MIN_STD: f64 = 1e-9;
 
-/// Smallest rotation (rad) at which a contact turns back, divided by the largest distance of alternating pads.
+/// A contact has turned back only if its rotation halfway is larger than this value (rad per length) times the largest
+/// distance of alternating pads. For smaller rotations, the pads only alternate.
 const MIN_RETURN: f64 = 0.07;
 /// The successive samples on one pad are divided into this number of intervals. Only the samples at the ends of the
 /// intervals bound the contact's position. The other samples would hardly improve the bounds, because the contact moves
@@ -95,7 +96,7 @@ pub(crate) fn without_chatter(samples: &[RollSample], all: &[Run], reach: f64) -
             let next = all.get(again + 1);
             next.is_some_and(|next| other.centre == next.centre)
         };
-        // If the next pad is not one of the alternating pads, keep the last run on the first pad too.
+        // If the contact then leaves the alternating pads, also keep the last run on the first pad.
         let leaves = again == at || all[at..again].iter().any(is_next);
         at = if leaves { again + 1 } else { again };
     }
@@ -203,7 +204,8 @@ fn rotation_at_change(
             let near = &samples[from..=after.last.min(after.first + reach)];
             let last = near[near.len() - 1];
             let unit_s = last.time_s - near[0].time_s;
-            // The prior standard deviation of the parabola's bend is the rotation along it.
+            // The bend of the parabola has a normal prior. Its standard deviation is the length of the rotation along
+            // the parabola.
             let bend = (last.rotation - near[0].rotation).norm_squared() / (std * std);
             let prior = bend.max(1.0).recip();
             let mut information = Matrix4::from_diagonal(&Vector4::new(0.0, 0.0, prior, 0.0));

@@ -173,7 +173,8 @@ impl Problem<'_> {
             return self.of_set(set);
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
-        // The rough fit is not accurate enough for a very small set, and for a comparison of the rolls.
+        // The first fit has a coarse tolerance. A very small set and the comparison of the rolls need a more accurate
+        // fit.
         let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
         // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over
         // which pads alternate.
@@ -349,7 +350,8 @@ impl Problem<'_> {
                 rotations: RollRotations::new(all.into_iter().map(|one| one.1).collect(), has_spin),
             });
         }
-        // If pads alternate, the place of a crossing is also uncertain where they happen not to alternate.
+        // If pads alternate at some edges, the places of all crossings are uncertain, also of those at which the pads
+        // happen not to alternate.
         if self.alternates() {
             let observations = data.iter_mut().flat_map(|roll| &mut roll.observations);
             let crossings = observations.filter_map(|(_, one)| match one {

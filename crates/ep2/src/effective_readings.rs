@@ -64,7 +64,7 @@ const MIN_REST_DISTANCE: f64 = 4.0;
 /// Four fifths of the contacts are within some distance of the median position. A contact beyond this multiple of the
 /// distance may be a lost reading, such as 9999.
 const MIN_FAR_RATIO: f64 = 10.0;
-/// Largest share of lost readings with one number as their farthest coordinate.
+/// Largest share of lost readings among the contacts, if one coordinate of all lost readings has the same number.
 const MAX_LOST_SHARE: f64 = 0.5;
 /// The correlation between residuals is estimated from strokes until these contain this number of residuals. Further
 /// strokes are not used.
@@ -394,7 +394,8 @@ fn without_far(contacts: &[Contact]) -> Option<Vec<Contact>> {
         let are_lost = blocks.all(|block| is_near(&&block[0]) || is_lost(block));
         return are_lost.then(|| contacts.iter().filter(is_near).copied().collect());
     }
-    // If there are more lost readings, their farthest coordinate must be the same number in all of them.
+    // If more contacts are far away, they are lost readings only if the coordinate that is farthest from the others is
+    // the same number in all of them.
     let (is_near, number) = without(MAX_LOST_SHARE)?;
     let mut far = contacts.iter().filter(|one| !is_near(one));
     far.all(|one| wrong(one) == number)

@@ -64,10 +64,10 @@ const MAX_COMPARED: usize = 2000;
 /// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
 /// strokes.
 const MAX_FEW_STROKES: usize = 4;
-/// A surface with more effective degrees of freedom than this value is no quadric.
+/// Largest number of effective degrees of freedom of a surface that counts as a quadric.
 const MAX_QUADRIC_UNKNOWNS: f64 = 7.5;
-/// Factor of the standard errors of a surface that is no quadric if there are few strokes. The roughness across the
-/// strokes is then estimated from the roughness along them, and waves have different roughnesses in both directions.
+/// The standard errors are multiplied by this factor if the surface is no quadric and there are few strokes. The fit
+/// then assumes that the surface is as rough across the strokes as along them, but waves may be rougher across.
 const FEW_STROKES_FACTOR: f64 = 1.25;
 /// Smallest gap between the contacts of two neighbouring strokes, relative to the width of the patch across the
 /// strokes.

@@ -315,8 +315,8 @@ impl ShapeSettings {
         };
         let best = fits.iter().min_by(by_noise).unwrap_or(&fits[0]);
         let (best, is_used) = (best.solution, best.is_used.clone());
-        // A stated noise that the contacts contradict is not used in the fits. If the stated noise is too large, the
-        // intervals still use it and become wider.
+        // If the contacts contradict the stated noise, the fits do not use it. If the stated noise is too large, the
+        // intervals are still computed from it, so they become wider.
         let ratios = best.noise_ratios(stated);
         let of_intervals = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] <= 1.0));
         let stated = [0, 1].map(|kind| stated[kind].filter(|_| ratios[kind] == 1.0));

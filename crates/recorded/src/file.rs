@@ -11,8 +11,8 @@ use super::table_format::Form;
 
 /// Largest size of a recorded file, MiB.
 const MAX_MIB: u64 = 256;
-/// Larger tables of delimited text are not read into memory as a whole, but line by line. Only their first lines, up to
-/// this size in bytes, are in memory.
+/// If a table of delimited text is larger than this size (bytes), only its first lines are kept in memory, up to this
+/// size. The other lines are read one by one.
 const MAX_START: u64 = 64 << 20;
 /// Longest line of a table that is read line by line, in bytes. A longer line is split, so its rows are then rejected.
 const MAX_LINE: u64 = 1 << 20;

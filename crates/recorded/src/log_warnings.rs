@@ -33,7 +33,7 @@ const MIN_MEAN_COSINE: f64 = 0.93;
 /// Smallest gap between two groups of contacts, as a share of the range of all contacts. A gap that is much larger than
 /// the next largest gap may be smaller than this.
 const MIN_GAP: f64 = 0.15;
-/// Ratio to the next largest gap from which a gap counts regardless of `MIN_GAP`.
+/// A gap that is at least this many times as large as the next largest gap counts even if it is smaller than `MIN_GAP`.
 const MIN_CLEAR_GAPS_RATIO: f64 = 3.0;
 /// Smallest ratio of the gap between two groups of contacts to the next largest gap. In a log of strokes, the next
 /// largest gap may be the distance between two strokes.

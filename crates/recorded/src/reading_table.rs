@@ -42,8 +42,8 @@ pub(super) struct ReadingTable {
 impl ReadingTable {
     /// Reads the columns `columns` of a table. The file may contain them in any order and among other columns. All
     /// these columns are required. If some are missing, the error also names the optional columns `may`. If the table
-    /// has very many rows, some are left out: `is_spare` states whether the middle one of three successive rows may be
-    /// left out.
+    /// has very many rows, some of them are left out. `is_spare` receives three successive rows, and states whether the
+    /// second one may be left out.
     pub(super) fn read(
         table: &TextTable<'_>,
         columns: &[Column],
@@ -213,8 +213,8 @@ impl ReadingTable {
         Ok(all)
     }
 
-    /// Leaves out spare rows, until at most half of [`MAX_DENSE_ROWS`] remain. Each spare row is kept whose index in the
-    /// file is a multiple of `stride`. The stride is increased if necessary.
+    /// Leaves out spare rows until at most half of [`MAX_DENSE_ROWS`] rows remain. A spare row remains if its index in
+    /// the file is a multiple of `stride`. If too many rows remain, `stride` is doubled.
     fn thin(&mut self, stride: &mut usize, is_spare: impl Fn([&[f64]; 3]) -> bool) {
         while *stride < MAX_ROWS {
             let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();

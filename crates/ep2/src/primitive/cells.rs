@@ -27,9 +27,9 @@ const MIN_ROUNDING_EFFECT: f64 = 1e-4;
 /// errors do not contribute to the residuals if the fit can follow them, such as the heights of a few straight strokes.
 #[derive(Debug, Default)]
 pub(super) struct Rounding {
-    /// Variance of the distances from the shape, if all errors were caused by rounding.
+    /// Variance that the distances from the shape would have if rounding caused all errors.
     pub(super) variance: f64,
-    /// Number of consecutive positions that count as one, if all errors were caused by rounding.
+    /// Number of consecutive positions that would count as one position if rounding caused all errors.
     run_length: f64,
     axes: Vec<RoundedAxis>,
 }

@@ -21,7 +21,8 @@ const MISFIT_P_VALUE: f64 = 0.01;
 pub(super) const MAX_RELATIVE_NOISE: f64 = 0.1;
 /// The curvature counts as determined only if [`noise_share`] is at most this value.
 const MAX_NOISE_SHARE: f64 = 0.1;
-/// Smallest noise, relative to the spread of the contacts, for which [`noise_share`] is computed.
+/// Smallest noise that [`noise_share`] assumes, relative to the spread of the contacts. Smaller noise may be a rounding
+/// error.
 const MIN_NOISE: f64 = 1e-5;
 
 /// Interval of the curvature of a fitted shape, with the spread of the contacts as unit of length.

@@ -79,7 +79,7 @@ impl Cloud {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose {
     pub(super) shape: Shape,
-    /// A point of the shape's surface, at which the axes are defined.
+    /// A point of the shape's surface: the origin of `axes`.
     pub(super) point: Vector3<f64>,
     /// The axes a and b along the surface and the normal n, as rows.
     pub(super) axes: Matrix3<f64>,

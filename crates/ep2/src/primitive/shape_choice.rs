@@ -18,7 +18,8 @@ const MIN_SPREAD_RATIO: f64 = 10.0;
 /// probable shapes include one with such a noise share, it is chosen, because it leaves the radius open.
 const MIN_SINES: f64 = 4.0;
 const MIN_NOISE_SHARE: f64 = 0.5;
-/// Largest difference between the deviances of two equally probable shapes, in standard deviations.
+/// Two shapes count as equally probable if the difference of their deviances is at most this multiple of its standard
+/// deviation.
 const MAX_DEVIATIONS: f64 = 3.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'
@@ -71,7 +72,8 @@ pub(super) fn choose(
     let least = criteria[best];
     // Several shapes may fit the contacts equally well, although their normals at the contacts differ, such as a sphere
     // and a cylinder through two rings of contacts. Then different components of the noise determine the fits, so the
-    // difference of their deviances is random. Its variance is 4 times the sum of the squared sines.
+    // difference of their deviances is random. Its variance is 4 Σ sin² θ, where θ is the angle between both normals at
+    // a contact.
     let shares: Vec<f64> = candidates
         .iter()
         .map(|one| noise_share(&one.solution, used))

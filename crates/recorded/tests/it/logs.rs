@@ -132,7 +132,7 @@ fn lost_readings_may_have_normals_of_zeros() {
     assert_eq!(lost["left_out"], expected);
     let error = estimate(&replaced("0,5,0,24.4,0,0,0"), "penalised").unwrap_err();
     assert!(error.to_string().contains(":9:"), "{error}");
-    // The normals of many lost readings differ, so that these are no copies.
+    // The lost readings have different normals, so they do not count as copies.
     let lost = |(row, text): (usize, &str)| match (text.split_once(','), row % 4) {
         (Some((finger, _)), 2) => format!("{finger},9999,9999,9999,1,{row},50\n"),
         _ => format!("{text}\n"),
