@@ -234,7 +234,7 @@ pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let mean: Vector3<f64> = all().filter_map(|normal| normal.try_normalize(0.0)).sum();
     let is_down = mean.z < -0.5 * contacts.len() as f64;
     let inward = is_down.then(|| {
-        "the normals point to -z: unless the object is touched from below, they point inward, and convex and concave are swapped".to_owned()
+        "the normals point to -z: unless the object is touched from below, they point inward, convex and concave are swapped, and a stated tip radius is on the wrong side".to_owned()
     });
     let length = Warning::of("units", length);
     length.into_iter().chain(Warning::of("signs", inward))

@@ -244,7 +244,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         } else if pairs.any(|(probe, world)| {
             (probe.0 - world.0).xy().norm() > MAX_FRAME_DIFFERENCE * probe.0.norm()
         }) {
-            note("rotations are relative to the probe's frame at the start of each roll, and u and v are the x and y axes of this frame; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
+            note("rotations are relative to the probe's frame at the start of each roll, and u and v at the first contact are the x and y axes of this frame; setting `rotation_frame` world reads them relative to the frame of the orientations".to_owned());
         }
     }
     let series = match kind {
