@@ -221,8 +221,9 @@ fn rotation_at_change(
                 let fourth = (sums * inverse.column(3)).norm_squared();
                 fourth / (inverse[(3, 3)] * std * std)
             });
-            if fourth > MAX_FOURTH && near.len() > 8 {
-                reach = near.len() / 4;
+            let shorter = near.len() / 4;
+            if fourth > MAX_FOURTH && near.len() > 8 && shorter < reach {
+                reach = shorter;
                 continue;
             }
             let parabola = information.fixed_view::<3, 3>(0, 0).into_owned();

@@ -80,6 +80,8 @@ impl From<f64> for Prior {
     }
 }
 
+/// Largest residual of an almost flat object, relative to the median residual. A larger residual is one of an outlier.
+const MAX_RESIDUALS: f64 = 8.0;
 /// Largest curvature of an almost flat object, in standard errors. For larger curvatures, an elastic contact is fitted.
 const MAX_SIGNIFICANCE: f64 = 6.0;
 
@@ -199,7 +201,10 @@ impl ForwardFit {
         });
         let inverse = paraboloid.tr_mul(&paraboloid).cholesky()?.inverse();
         let solved = &inverse * paraboloid.tr_mul(&normal);
-        let squares = (&normal - &paraboloid * &solved).norm_squared();
+        let residuals = &normal - &paraboloid * &solved;
+        let mut sizes: Vec<f64> = residuals.iter().map(|one| one.abs()).collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        let squares = residuals.norm_squared();
         let stated = self.normal_std.filter(|&std| std > 0.0);
         let found = (squares / freedom as f64).sqrt().max(1e-10 * most);
         let std = stated.unwrap_or(found);
@@ -245,7 +250,8 @@ impl ForwardFit {
             },
         };
         let significance = relative_curvature.value / relative_curvature.std;
-        (significance.abs() < MAX_SIGNIFICANCE).then_some(estimate)
+        let has_outliers = sizes[sizes.len() - 1] > MAX_RESIDUALS * sizes[sizes.len() / 2];
+        (significance.abs() < MAX_SIGNIFICANCE && !has_outliers).then_some(estimate)
     }
 
     /// The smallest possible standard errors of an unbiased estimate (Cramér–Rao bounds). The true contact is at the

@@ -118,9 +118,9 @@ impl<'a> DelimitedText<'a> {
         let (mut fields, mut before) = (StringRecord::new(), None);
         let mut rows = self.text.rows_after(0);
         let heading = rows.by_ref().take(self.heading);
-        let heading: Vec<&str> = heading.map(|(row, _)| row).collect();
+        let heading: Vec<&str> = heading.map(|(row, _)| row.trim()).collect();
         let mut read = |row: &str, line: usize| {
-            if heading.contains(&row) {
+            if heading.contains(&row.trim()) {
                 return Ok(());
             }
             match row.trim_end_matches('\r') {

@@ -18,7 +18,7 @@ const MAX_START: u64 = 64 << 20;
 const MAX_LINE: u64 = 1 << 20;
 
 /// First bytes of files that are not text, with the name of the format.
-const FORMATS: [(&[u8], &str); 18] = [
+const FORMATS: [(&[u8], &str); 19] = [
     (b"\x1f\x8b", "is compressed by gzip; decompress it"),
     (b"PAR1", "is a Parquet file; save its table as CSV"),
     (b"\x89HDF", "is an HDF5 file; save its table as CSV"),
@@ -35,14 +35,12 @@ const FORMATS: [(&[u8], &str); 18] = [
     (b"SQLite", "is a database; save one of its tables as CSV"),
     (b"#ROSBAG", "is a ROS bag; save one topic as CSV"),
     (b"\x89MCAP", "is an MCAP log; save one topic as CSV"),
-    (
-        b"header:",
-        "is YAML; save it as CSV, by `rostopic echo -p` or `ros2 topic echo --csv`",
-    ),
-    (b"- ", "is YAML; save it as CSV"),
-    (b"ply", "is a PLY cloud; save its points as CSV"),
+    (b"header: \n", "is YAML; `rostopic echo -p` writes CSV"),
+    (b"header:\n", "is YAML; `ros2 topic echo --csv` writes CSV"),
+    (b"ply\n", "is a PLY cloud; save its points as CSV"),
     (b"# .PCD", "is a PCD cloud; save its points as CSV"),
-    (b"<", "is XML or HTML; save its table as CSV"),
+    (b"<?xml", "is XML; save its table as CSV"),
+    (b"<html", "is HTML; save its table as CSV"),
 ];
 
 /// A recorded file.

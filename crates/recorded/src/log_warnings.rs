@@ -269,7 +269,7 @@ pub(super) fn two_groups(
     let is_clear = noise > MIN_NOISE && ratio > MIN_QUADRICS_RATIO && ratio.is_finite();
     (is_clear && freedom > MIN_FREEDOM && freedom * libm::log(ratio) > MIN_LOG_RATIO).then(|| {
         let text = format!(
-            "the contacts scatter {} times as much about the estimated surface as about two separate surfaces: do they belong to two objects, or does the object have an edge?",
+            "the contacts scatter {} times as much about the estimated surface as about two separate surfaces: do they belong to two objects, or does the object have an edge or another feature that the estimated surface does not follow?",
             Number::rounded(ratio)
         );
         Warning::new("two-groups", text, [("ratio", ratio)])

@@ -21,10 +21,8 @@ use super::value::Value;
 
 /// Fewest markers with the same displacement that may be lost readings.
 const MIN_LOST: usize = 3;
-/// Largest relative difference of equal distances from the contact.
-const MAX_SCATTER: f64 = 0.01;
 /// Readings are lost if the variance of the residuals is smaller without them, by at least this factor.
-const MIN_IMPROVEMENT: f64 = 2.0;
+const MIN_IMPROVEMENT: f64 = 4.0;
 /// Largest share of the markers that may be lost.
 const MAX_LOST_SHARE: f64 = 0.2;
 
@@ -57,23 +55,18 @@ fn without_lost(
 ) -> Result<PressReport, RecordedError> {
     let (lost, count) = (recorded.of_same_displacement(), recorded.places.len());
     let is_too_many = lost.len() as f64 > MAX_LOST_SHARE * count as f64;
-    if lost.len() < MIN_LOST || is_too_many && all.is_err() {
+    // Many zeros may be displacements below the smallest one that the sensor measures.
+    let is_unclear = all.is_err() || lost.first().is_some_and(|&one| recorded.normal[one] == 0.0);
+    if lost.len() < MIN_LOST || is_too_many && is_unclear {
         return all;
     }
     let sound: Vec<usize> = (0..count).filter(|marker| !lost.contains(marker)).collect();
     let Ok(mut report) = of_distinct(&recorded.selected(&sound), options) else {
         return all;
     };
-    // In readings without noise, markers with the same distance from the contact have the same displacement.
-    let distance = |&marker: &usize| {
-        let [[x, y], at] = [recorded.places[marker], report.contact];
-        libm::hypot(x - at[0], y - at[1])
-    };
-    let first = distance(&lost[0]);
-    let is_equal = |one: &usize| (distance(one) - first).abs() <= MAX_SCATTER * first;
     let is_worse =
         |all: &PressReport| all.residual_variance() > MIN_IMPROVEMENT * report.residual_variance();
-    if lost.iter().all(is_equal) || !all.as_ref().map_or(true, is_worse) {
+    if !all.as_ref().map_or(true, is_worse) {
         return all;
     }
     let source = &recorded.source;

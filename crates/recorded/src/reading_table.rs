@@ -218,6 +218,12 @@ impl ReadingTable {
     fn thin(&mut self, stride: &mut usize, is_spare: impl Fn([&[f64]; 3]) -> bool) {
         while *stride < MAX_ROWS {
             let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
+            if !rows
+                .windows(3)
+                .any(|near| is_spare([near[0], near[1], near[2]]))
+            {
+                return;
+            }
             let is_start = |row| self.after_gaps.binary_search(&row).is_ok();
             let is_kept = |&row: &usize| {
                 self.source.rows[row].is_multiple_of(*stride)

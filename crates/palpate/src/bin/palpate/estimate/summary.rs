@@ -6,10 +6,7 @@ use serde_json::Value;
 /// Names of the quantities that a summary may show, and where the estimate has them, most important first.
 const QUANTITIES: [(&str, &str); 17] = [
     ("curvature along the stroke", "/stroke/curvature_along"),
-    (
-        "curvature along the rolls",
-        "/single_direction/curvature_along",
-    ),
+    ("curvature along the rolls", ALONG_ROLLS),
     ("radius", "/radius"),
     (OBJECT_RADIUS, "/object_radius"),
     (MEAN_RADIUS, "/radius"),
@@ -26,6 +23,7 @@ const QUANTITIES: [(&str, &str); 17] = [
     ("contact radius", "/contact_radius"),
     ("rms misfit", "/rms_misfit"),
 ];
+const ALONG_ROLLS: &str = "/single_direction/curvature_along";
 const OBJECT_RADIUS: &str = "object radius";
 /// The inverse of the mean curvature. It is shown only for an object that is curved in all directions.
 const MEAN_RADIUS: &str = "mean radius";
@@ -80,7 +78,12 @@ fn quantity(name: &str, value: &Value) -> Option<String> {
         .zip(high)
         .map_or(f64::NAN, |(low, high)| 1.0 - (high - low).log10().floor());
     let number = |number: f64| match (0.0..=MAX_DECIMALS).contains(&decimals) {
-        true => format!("{number:.*}", decimals as usize),
+        true => {
+            let step = 10.0_f64.powf(-decimals);
+            // Zero has no sign.
+            let number = (number / step).round() * step + 0.0;
+            format!("{number:.*}", decimals as usize)
+        }
         false => Number::rounded(number).to_string(),
     };
     let estimate = value["value"].as_f64().map(number);
