@@ -25,7 +25,7 @@ use std::time::Duration;
 use anyhow::{Context, Result};
 
 use crate::timing::{self, Evaluation};
-use ladder::{Ladder, SceneRungs};
+use ladder::Ladder;
 use ladder_tables::{MeasuredRung, MeasuredScene};
 
 /// Options for measuring all ladders (lists of compared models or settings).
@@ -70,7 +70,9 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
     std::fs::create_dir_all(options.out)
         .with_context(|| format!("cannot make {}", options.out.display()))?;
     report("counting instructions");
-    let counts = timing::instructions(&rungs(&ladders).collect::<Vec<u32>>())?;
+    let scenes = ladders.iter().flat_map(|ladder| &ladder.scenes);
+    let scales = scenes.flat_map(|scene| scene.rungs.iter().map(|rung| rung.evaluation.scale()));
+    let counts = timing::instructions(&scales.collect::<Vec<u32>>())?;
     if counts.is_none() {
         report(timing::NO_VALGRIND);
     }
@@ -94,12 +96,6 @@ pub fn run(options: Options<'_>, report: impl Fn(&str)) -> Result<()> {
         }
     }
     ladder_tables::write(&all, options.machine, options.out)
-}
-
-/// Number of evaluations per run of each rung (model or setting), ladder by ladder.
-fn rungs(ladders: &[Ladder]) -> impl Iterator<Item = u32> {
-    let scenes = ladders.iter().flat_map(|ladder: &Ladder| &ladder.scenes);
-    scenes.flat_map(|scene: &SceneRungs| scene.rungs.iter().map(|rung| rung.evaluation.scale()))
 }
 
 fn measure(

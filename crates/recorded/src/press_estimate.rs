@@ -21,6 +21,8 @@ use super::value::Value;
 
 /// Fewest markers with the same displacement that may be lost readings.
 const MIN_LOST: usize = 3;
+/// Largest relative difference of equal distances from the contact.
+const MAX_SCATTER: f64 = 0.01;
 /// Readings are lost if the variance of the residuals is smaller without them, by at least this factor.
 const MIN_IMPROVEMENT: f64 = 4.0;
 /// Largest share of the markers that may be lost.
@@ -64,9 +66,16 @@ fn without_lost(
     let Ok(mut report) = of_distinct(&recorded.selected(&sound), options) else {
         return all;
     };
+    // In readings without noise, markers with the same distance from the contact have the same displacement.
+    let distance = |&one: &usize| {
+        let [[x, y], at] = [recorded.places[one], report.contact];
+        libm::hypot(x - at[0], y - at[1])
+    };
+    let first = distance(&lost[0]);
+    let is_equal = |one: &usize| (distance(one) - first).abs() <= MAX_SCATTER * first;
     let is_worse =
         |all: &PressReport| all.residual_variance() > MIN_IMPROVEMENT * report.residual_variance();
-    if !all.as_ref().map_or(true, is_worse) {
+    if lost.iter().all(is_equal) || !all.as_ref().map_or(true, is_worse) {
         return all;
     }
     let source = &recorded.source;
@@ -81,8 +90,7 @@ fn without_lost(
     }
     let markers = lost.iter().map(|&marker| recorded.marker(marker));
     report.wrong_markers.extend(markers);
-    let numbers = [("left_out", lost.len() as f64), ("markers", count as f64)];
-    let warning = Warning::new("left-out", text, numbers);
+    let warning = Warning::new("left-out", text, []);
     report.warnings.insert(0, warning);
     Ok(report)
 }

@@ -136,8 +136,6 @@ pub(super) fn nanoseconds(spread: &Spread) -> [Column; 3] {
 }
 
 pub(super) fn count(instructions: Option<u64>) -> Column {
-    (
-        "instructions",
-        or_empty(instructions, |count| count.to_string()),
-    )
+    let count = or_empty(instructions, |count| count.to_string());
+    ("instructions", count)
 }

@@ -78,12 +78,10 @@ fn quantity(name: &str, value: &Value) -> Option<String> {
         .zip(high)
         .map_or(f64::NAN, |(low, high)| 1.0 - (high - low).log10().floor());
     let number = |number: f64| match (0.0..=MAX_DECIMALS).contains(&decimals) {
-        true => {
-            let step = 10.0_f64.powf(-decimals);
-            // Zero has no sign.
-            let number = (number / step).round() * step + 0.0;
-            format!("{number:.*}", decimals as usize)
-        }
+        true => match format!("{number:.*}", decimals as usize) {
+            zero if zero.parse() == Ok(0.0) => "0".to_owned(),
+            text => text,
+        },
         false => Number::rounded(number).to_string(),
     };
     let estimate = value["value"].as_f64().map(number);
