@@ -589,6 +589,28 @@ fn gaps_and_chatter_do_not_bias() {
 }
 
 #[test]
+fn long_chatter_at_an_uneven_speed_ends() {
+    let mut rolls = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(4)));
+    for samples in rolls.iter_mut().map(|roll| &mut roll.samples) {
+        let places: Vec<_> = samples.iter().map(|sample| sample.place).collect();
+        for index in (40..places.len()).step_by(2) {
+            samples[index].place = places[index - 40];
+        }
+        for sample in samples {
+            sample.time_s += 0.02 * libm::sin(40.0 * sample.time_s);
+        }
+    }
+    let noise = SeriesNoise {
+        rotation_std_rad: 1e-4,
+        ..EXACT
+    };
+    let places = Places::Pads(SQUARE);
+    let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls);
+    let [low, high] = found.unwrap().interval95(Quantity::Mean);
+    assert!(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
+}
+
+#[test]
 fn rolls_that_turn_back_have_intervals_that_hold() {
     let (mut draws, mut held) = (Draws(6), 0);
     for trial in 0..20 {
