@@ -143,8 +143,9 @@ pub(crate) fn crossings(
                 let is_same = sign.abs() > 0.9 && (one.offset - sign * offset).abs() < 1e-6 * pitch;
                 is_same && (one.rotation - rotation).norm() < one.width + width + spread
             };
-            // If the contact moves back over an edge at the same place, the errors of both crossings may be equal,
-            // because the samples may be at equal rotations. So only the first crossing counts.
+            // If the contact crosses an edge again at the same place, the samples around both crossings may have equal
+            // rotations. Then both crossings have the same error, and the second one adds no information. So only the
+            // first crossing counts.
             if all.iter().rev().take(MAX_COMPARED).any(is_repeated) {
                 continue;
             }

@@ -175,9 +175,10 @@ impl ForwardFit {
         }
     }
 
-    /// The estimate of a press of a flat pad on an object whose curvature may be 0; `None` for other presses. All
-    /// markers must lie within the contact area, at whose edge the displacement is at most half of the largest one.
-    /// Within this area, the skin has the shape of the object, so a paraboloid is fitted to the displacements.
+    /// Estimates a press of a flat pad on an object that may be flat, if all markers lie within the contact area.
+    /// `None` for other presses. At the edge of the contact area, the displacement is at most half of the largest
+    /// displacement, so markers with larger displacements lie inside. There the skin has the shape of the object, so a
+    /// paraboloid is fitted to the displacements.
     fn flat_object(&self, reading: &Reading<'_>) -> Option<PressEstimate> {
         let (markers, normal) = (reading.markers, DVector::from_column_slice(reading.normal));
         let (skin, most) = (markers.skin(), normal.max());

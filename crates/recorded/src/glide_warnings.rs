@@ -202,7 +202,7 @@ pub(super) fn misfit_warnings(
 /// deviations.
 const MAX_LENGTH_ERROR: f64 = 0.1;
 
-/// Usual extents (m) of the contacts of a glide, from the smallest to the largest.
+/// Smallest and largest usual extent (m) of the contacts of a glide.
 const USUAL_EXTENTS: [f64; 2] = [1e-4, 10.0];
 
 /// Text about contacts whose extent is unusual for a stated unit of m, cm or mm; `None` if the extent is usual.

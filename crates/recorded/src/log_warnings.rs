@@ -103,7 +103,8 @@ pub(super) fn left_out(outliers: &[Outlier], recorded: &GlideRecording) -> Optio
         let row = recorded.source.row(outlier.contact);
         match outlier.reason {
             OutlierReason::Sentinel => {
-                // The lost coordinate is the farthest from those of a contact that is not left out.
+                // To show the number that the sensor wrote for a lost reading, print the coordinate that differs most
+                // from that of a contact that is not left out.
                 let sound =
                     (0..contacts).find(|one| outliers.iter().all(|out| out.contact != *one));
                 let sound = recorded.contacts[sound.unwrap_or(0)].position;

@@ -66,7 +66,8 @@ fn without_lost(
     let Ok(mut report) = of_distinct(&recorded.selected(&sound), options) else {
         return all;
     };
-    // In readings without noise, markers with the same distance from the contact have the same displacement.
+    // Without noise, markers with the same distance from the contact have the same displacement. So if the markers of
+    // `lost` have the same distance, they are not lost.
     let distance = |&one: &usize| {
         let [[x, y], at] = [recorded.places[one], report.contact];
         libm::hypot(x - at[0], y - at[1])

@@ -350,8 +350,8 @@ pub fn columns_of(kind: &str) -> Vec<Column> {
     columns
 }
 
-/// Checks the names that a study or an option states for the columns of a file. The keys are palpate's names of these
-/// columns, which may end with a unit, such as `x_mm`.
+/// Checks a map from palpate's names of columns (the keys) to the names in a file, which a study or an option states. A
+/// key may end with a unit, such as `x_mm`.
 ///
 /// # Errors
 /// [`FieldError`] for a key that is not in `columns`, for an empty name, for two keys that refer to the same

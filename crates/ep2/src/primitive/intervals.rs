@@ -19,7 +19,8 @@ const MISFIT_P_VALUE: f64 = 0.01;
 /// The curvature counts as determined only if the ratio of the noise to the spread of the contacts is at most this
 /// value. If the noise is larger, errors of positions along the surface make the fitted radius too small.
 pub(super) const MAX_RELATIVE_NOISE: f64 = 0.1;
-/// The curvature counts as determined only if [`noise_share`] is at most this value.
+/// The contacts determine the curvature only if the share of noise in the information about the shape ([`noise_share`])
+/// is at most this value.
 const MAX_NOISE_SHARE: f64 = 0.1;
 /// Smallest noise that [`noise_share`] assumes, relative to the spread of the contacts. Smaller noise may be a rounding
 /// error.

@@ -18,8 +18,8 @@ const MIN_SPREAD_RATIO: f64 = 10.0;
 /// probable shapes include one with such a noise share, it is chosen, because it leaves the radius open.
 const MIN_SINES: f64 = 4.0;
 const MIN_NOISE_SHARE: f64 = 0.5;
-/// Two shapes count as equally probable if the difference of their deviances is at most this multiple of its standard
-/// deviation.
+/// Two shapes count as equally probable if their deviances differ by less than this number of standard deviations of
+/// the difference.
 const MAX_DEVIATIONS: f64 = 3.0;
 
 /// Whether the contacts lie on a line along the surface, except for noise. `variance` is the variance of the positions'

@@ -199,8 +199,8 @@ impl Program {
         self.walk(polynomial, changed, combined)
     }
 
-    /// Whether the form of the program shows that it computes a function of x² + y² alone: x and y occur only in parts
-    /// that are functions of x² + y².
+    /// Whether the program is recognised as a surface of revolution: x and y occur only in parts that are functions of
+    /// x² + y². `false` does not exclude a surface of revolution in another form.
     pub(super) fn is_revolved(&self) -> bool {
         let known = self.walk(
             |leaf| Radial::Polynomial(polynomial(leaf)),

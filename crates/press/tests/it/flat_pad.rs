@@ -117,4 +117,8 @@ fn a_plane_is_flat_within_the_noise() {
         found.unwrap().object_curvature().interval.holds(0.0)
     });
     assert!((90..100).contains(&held.count()));
+    let mut with_outlier = readings.noisy(0.01, 1);
+    with_outlier.normal[0] *= 0.6;
+    let found = fit.estimate(&with_outlier.reading(&markers, None)).unwrap();
+    assert_eq!(found.wrong_markers, [0]);
 }

@@ -176,12 +176,15 @@ fn files_of_other_programs_hold_the_same_contacts() {
         assert_eq!(hint(&glide(&text, "").unwrap_err()), columns, "{row}");
         assert_eq!(hinted(text.as_bytes())["contacts"], 30, "{row}");
     }
-    // Numbered rows of R, and matrices of 4 x 4 numbers in one field or in 16 columns.
+    // Numbered rows of R, matrices of 4 x 4 numbers in one field or in 16 columns, and unusual headers.
     let expected_place = glide(table("x,y,z\n", ",", &ALL[1..4]), "").unwrap();
     for (header, row) in [
         ("\"x\" \"y\" \"z\"\n", "\"T\" X Y Z"),
         ("t;O_T_EE\n", "T;[1,0,0,0,0,1,0,0,0,0,1,0,X,Y,Z,1]"),
         ("", "1,0,0,X,0,1,0,Y,0,0,1,Z,0,0,0,1"),
+        // These headers begin like XML and like a PLY cloud.
+        ("<x>,<y>,<z>\n", "X,Y,Z"),
+        ("ply,x,y,z\n", "T,X,Y,Z"),
     ] {
         let rows = rows().into_iter().zip(1..).map(|(place, time)| {
             let row = row.replace('T', &format!("{time}"));
