@@ -189,15 +189,15 @@ def test_invalid_settings_of_rolls_are_refused(rolls, settings, argument, says):
         ({"intervals": 99}, "intervals is 99; it must be a whole number from 1 to 24"),
         ({"gamma": 0.5}, "gamma is 0.5; it must be from 1 to 100"),
         ({"gamma": 2.0, "criterion": "gcv"}, "gamma"),
-        ({"smoothing": 1.0}, "smoothing is of use only to method two-pass"),
-        ({"inter_finger_distance": 1.0}, "inter_finger_distance is of use only to method two-pass"),
+        ({"smoothing": 1.0}, "smoothing has an effect only with method two-pass"),
+        ({"inter_finger_distance": 1.0}, "inter_finger_distance has an effect only with method two-pass"),
         ({"grid": 0}, "grid is 0; it must be a whole number from 1 to 1000"),
-        ({"outward": (0, 0, 1)}, "outward is of use only to readings without normals"),
-        ({"gaussian_threshold": 1.0}, "gaussian_threshold is of use only with mean_threshold"),
+        ({"outward": (0, 0, 1)}, "outward has an effect only with readings without normals"),
+        ({"gaussian_threshold": 1.0}, "gaussian_threshold has an effect only with mean_threshold"),
         ({"gaussian_threshold": 0.0, "mean_threshold": 1.0}, "threshold"),
         ({"tip_radius": -1.0}, "tip_radius is -1; it must be"),
         ({"tip_radius": 1.0, "reports": "top"}, 'reports is "top"; it must be lowest-point or centre'),
-        ({"reports": "centre"}, "reports is of use only to readings of round tips; give tip_radius too"),
+        ({"reports": "centre"}, "reports has an effect only with readings of round tips; give tip_radius too"),
         ({"position_std": np.inf}, "position_std is inf; it must be finite"),
     ],
 )
@@ -213,10 +213,10 @@ def test_invalid_settings_of_glides_are_refused(glides, settings, says):
         ({"sensor_radius": -1}, "sensor_radius is -1; it must be > 0, or inf"),
         ({"depth": 20}, "depth is 20; it must be less than sensor_radius, 20"),
         ({"method": "bonded-layer"}, "thickness is missing, but method bonded-layer requires it"),
-        ({"thickness": 5.0}, "thickness is of use only to method bonded-layer or image"),
-        ({"indentation_std": 0.1}, "indentation_std is of use only to a given indentation"),
+        ({"thickness": 5.0}, "thickness has an effect only with method bonded-layer or image"),
+        ({"indentation_std": 0.1}, "indentation_std has an effect only with a given indentation"),
         ({"indentation": 25}, "indentation is 25; it must be less than sensor_radius, 20"),
-        ({"noise": "found", "normal_std": 0.1}, "normal_std is of use only without noise found"),
+        ({"noise": "found", "normal_std": 0.1}, "normal_std has an effect only without noise found"),
         ({"baseline": "free"}, "it must be known or fitted"),
         ({"poisson": 0.6}, "poisson is 0.6; it must be from 0 to 0.5"),
         ({"method": "gaussian"}, "c is missing, but method gaussian requires it, or indentation"),
@@ -227,7 +227,7 @@ def test_invalid_settings_of_presses_are_refused(presses, settings, says):
     with pytest.raises(palpate.ArgumentError) as caught:
         palpate.estimate_press(*presses, **{**SENSOR, **settings})
     assert says in str(caught.value)
-    with pytest.raises(palpate.ArgumentError, match="tangential_std is of use only"):
+    with pytest.raises(palpate.ArgumentError, match="tangential_std has an effect only"):
         palpate.estimate_press(presses[0], presses[1][:, 0], tangential_std=0.1, **SENSOR)
 
 

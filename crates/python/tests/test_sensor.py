@@ -36,7 +36,7 @@ def test_invalid_frames_are_refused(trace):
         palpate.track(trace.rest, trace.pressed[:-1])
     with pytest.raises(palpate.ReadingsError):
         palpate.track(np.full_like(trace.rest, 90), trace.pressed)
-    with pytest.raises(palpate.ArgumentError, match="depth is of use only with calibration"):
+    with pytest.raises(palpate.ArgumentError, match="depth has an effect only with calibration"):
         palpate.track(trace.rest, trace.pressed, depth=2.0)
 
 

@@ -96,7 +96,7 @@ impl GlideOptions {
     /// let given = given.as_object().ok_or("a table")?;
     /// let error = GlideOptions::with_settings(None, given, None, true).expect_err("no two-pass");
     /// assert_eq!(error.key, "inter_finger_distance");
-    /// let reason = "is of use only to setting `kind` two-pass or setting `position_fraction_of_ifd`";
+    /// let reason = "has an effect only with setting `kind` two-pass or setting `position_fraction_of_ifd`";
     /// assert_eq!(error.reason, reason);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -122,7 +122,7 @@ impl GlideOptions {
         checked.map_err(|reason| SettingError::new("gamma", format!("has no effect: {reason}")))?;
         let useless = |key: &str, to: &str| {
             let is_given = given.contains_key(key);
-            let error = SettingError::new(key, format!("is of use only to {to}"));
+            let error = SettingError::new(key, format!("has an effect only with {to}"));
             is_given.then_some(error).map_or(Ok(()), Err)
         };
         if !GlideFit::uses_finger_distance(&options.estimator) {
@@ -146,7 +146,7 @@ impl GlideOptions {
         let [gaussian, mean] = ["gaussian_threshold", "mean_threshold"];
         for (key, other) in [(gaussian, mean), (mean, gaussian)] {
             if given.contains_key(key) && !given.contains_key(other) {
-                let reason = format!("is of use only with setting `{other}`");
+                let reason = format!("has an effect only with setting `{other}`");
                 return Err(SettingError::new(key, reason));
             }
         }

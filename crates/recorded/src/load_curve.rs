@@ -90,7 +90,7 @@ impl LoadOptions {
                 return Err(SettingError::of_number(key, value, "finite and > 0"));
             }
             if index >= 2 && self.modulus_kpa.is_none() {
-                let reason = "is of use only with setting `modulus_kpa`";
+                let reason = "has an effect only with setting `modulus_kpa`";
                 return Err(SettingError::new(key, reason));
             }
         }

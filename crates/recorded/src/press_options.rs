@@ -144,7 +144,7 @@ impl PressOptions {
         check_effect(given, &options)?;
         check_lengths(&options)?;
         if own.contains_key("tangential_std") && !has_tangential {
-            let reason = "is of use only to readings with tangential displacements";
+            let reason = "has an effect only with tangential displacements";
             return Err(SettingError::new("tangential_std", reason));
         }
         Ok(options)
@@ -279,17 +279,17 @@ fn estimator(
     let estimator = with_settings(&base.estimator, &of_gaussian)?;
     let has_c = matches!(estimator, PressEstimatorConfig::Gaussian { c: Some(_), .. });
     let useless = |key: &str, to: &str| {
-        let reason = format!("is of use only {to}");
+        let reason = format!("has an effect only {to}");
         Err(SettingError::new(key, reason))
     };
     let model = match (thickness, poisson) {
         (None, None) => base.model.clone(),
         (Some(_), _) if has_c => {
-            let to = "to setting `kind` bonded-layer and to calibrate a Gaussian, but setting `c` is given";
+            let to = "with setting `kind` bonded-layer and in the calibration of a Gaussian, but setting `c` is given";
             return useless("thickness", to);
         }
         (None, Some(_)) if has_c => {
-            let to = "to setting `kind` half-space and to calibrate a Gaussian, but setting `c` is given";
+            let to = "with setting `kind` half-space and in the calibration of a Gaussian, but setting `c` is given";
             return useless("poisson", to);
         }
         (Some(_), Some(_)) => {
@@ -316,14 +316,14 @@ fn check_effect(given: &Map<String, Json>, options: &PressOptions) -> Result<(),
     if given.get("noise").is_some_and(|word| word == "found") {
         let stds = ["normal_std", "tangential_std"];
         if let Some(key) = stds.into_iter().find(|key| given.contains_key(*key)) {
-            let reason = "is of use only without setting `noise` found";
+            let reason = "has an effect only without setting `noise` found";
             return Err(SettingError::new(key, reason));
         }
     }
     let (key, reason) = match options.estimator {
         PressEstimatorConfig::Gaussian { .. } if options.young.is_some() => (
             "young",
-            "is of use only to setting `kind` half-space or bonded-layer: the Gaussian model computes no stress",
+            "has an effect only with setting `kind` half-space or bonded-layer: the Gaussian model computes no stress",
         ),
         PressEstimatorConfig::Gaussian { c: None, .. } if options.indentation.is_none() => (
             "c",
@@ -349,7 +349,7 @@ fn check_indentation_std(
     indentation: Option<f64>,
 ) -> Result<(), SettingError> {
     if given.contains_key("indentation_std") && indentation.is_none() {
-        let reason = "is of use only to a given setting `indentation`";
+        let reason = "has an effect only with a given setting `indentation`";
         return Err(SettingError::new("indentation_std", reason));
     }
     Ok(())

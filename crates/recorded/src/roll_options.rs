@@ -137,7 +137,7 @@ impl RollOptions {
         let probe_radius = own.probe_radius.unwrap_or(base.probe_radius);
         let shifts = match (own.pitch, own.shift_std) {
             (Some(_), Some(_)) => {
-                let reason = "is of use only without setting `pitch`";
+                let reason = "has an effect only without setting `pitch`";
                 return Err(SettingError::new("shift_std", reason));
             }
             (Some(pitch), None) => {
@@ -206,7 +206,7 @@ impl RollOptions {
                 return Err(SettingError::new("pad_layout", reason));
             }
             (Some(_), None) => {
-                let reason = "is of use only with setting `pitch`";
+                let reason = "has an effect only with setting `pitch`";
                 return Err(SettingError::new("pad_layout", reason));
             }
         };

@@ -177,7 +177,7 @@ fn a_flag_overrides_the_study() {
     // The study fits the gain. If the command states another method that can fit a gain, the gain is still fitted.
     assert!(!with("--method half-space")["gain"].is_null());
     desk.palpate(&format!("estimate {like} --window 5"))
-        .fails(2, "--window is of use only to --method gaussian");
+        .fails(2, "--window has an effect only with --method gaussian");
 }
 
 #[test]

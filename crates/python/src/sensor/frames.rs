@@ -98,7 +98,7 @@ pub(crate) fn track<'py>(
         [setting::<PressOptions>, setting::<PressEstimatorConfig>],
     )?;
     if given.contains_key("radial_scale") {
-        let message = "radial_scale is of use only to estimate_press";
+        let message = "radial_scale has an effect only in estimate_press";
         return Err(error::argument("radial_scale", &[], None, message));
     }
     if !(1..=1000).contains(&grid) {
@@ -114,7 +114,7 @@ pub(crate) fn track<'py>(
     if reader.is_none()
         && let Some(name) = settings.iter().flat_map(|all| all.keys()).next()
     {
-        let message = format!("{name} is of use only with calibration");
+        let message = format!("{name} has an effect only with calibration");
         return Err(error::argument(&name.to_string(), &[], None, message));
     }
     let [rest, pressed] = &frames;

@@ -49,7 +49,7 @@ pub(super) fn reader(
         return Ok(Some(FrameReader::Pictures(Box::new(options))));
     }
     if camera.is_some() {
-        let message = "calibration: a CameraCalibration is of use only to method=\"image\"";
+        let message = "calibration: a CameraCalibration has an effect only with method=\"image\"";
         return Err(refused("calibration", message));
     }
     let Some(calibration) = other else {

@@ -190,7 +190,7 @@ fn bad_curves_and_settings_have_errors() {
         (
             None,
             0.5,
-            "setting `sensor_radius` is of use only with setting `modulus_kpa`",
+            "setting `sensor_radius` has an effect only with setting `modulus_kpa`",
         ),
         (Some(1e-300), 0.5, "the numbers are too large or too small"),
     ] {

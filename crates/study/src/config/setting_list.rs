@@ -469,7 +469,7 @@ impl Known {
             if !knows(key) {
                 let kinds = setting.map(|setting| setting.kinds.join(" or "));
                 let reason = kinds.map_or("does not exist".to_owned(), |kinds| {
-                    format!("is of use only to setting `kind` {kinds}")
+                    format!("has an effect only with setting `kind` {kinds}")
                 });
                 return Err(SettingError::new(key, reason));
             }

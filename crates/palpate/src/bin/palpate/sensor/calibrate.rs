@@ -99,7 +99,7 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
     let is_known = args.normal.is_some() || args.tangential.is_some();
     if frames == 0 && !is_known {
         if args.px_per_rad.is_some() {
-            return refuse("--px-per-rad is of use only to frames".to_owned());
+            return refuse("--px-per-rad has an effect only with frames".to_owned());
         }
         return Ok(false);
     }
@@ -110,7 +110,7 @@ fn shows_frames(args: &CalibrateArgs) -> Result<bool, Failure> {
         ));
     }
     if let Some(flag) = args.form.given() {
-        return refuse(format!("{flag} is of use only to tables"));
+        return refuse(format!("{flag} has an effect only with tables"));
     }
     if !is_known {
         return refuse("frames need --normal D,D,... or --tangential D,D,...: a displacement of the marker under the contact for each but the first".to_owned());
