@@ -483,7 +483,7 @@ fn damaged_files_are_refused_with_the_reason() {
         (edited("<f8", "<c8"), "has elements of type `<c8`"),
         (
             archive[..archive.len() - 30].to_vec(),
-            "is not a valid zip archive: it is truncated",
+            "is not a valid zip archive: it is truncated or damaged",
         ),
         (damaged, "is damaged"),
         (
