@@ -489,10 +489,10 @@ const MAX_MIB: u64 = 256;
 /// Returns the name and the contents of all files in an archive, in the order of the archive.
 fn members(bytes: &[u8]) -> Result<Vec<(String, Vec<u8>)>, String> {
     let in_words = |error: ZipError| match error {
-        ZipError::UnsupportedArchive(reason) => {
-            format!("is a zip archive of another kind ({reason}); use np.savez")
+        ZipError::Io(_) | ZipError::InvalidArchive(_) => {
+            "is not a valid zip archive: it is truncated or damaged".to_owned()
         }
-        _ => "is not a valid zip archive: it is truncated or damaged".to_owned(),
+        other => format!("is a zip archive that palpate does not read ({other}); use np.savez"),
     };
     let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(in_words)?;
     let mut left = MAX_MIB << 20;
