@@ -48,7 +48,11 @@ pub(super) fn summary(estimate: &Value) -> String {
     if let Some(first) = lines.first_mut() {
         let axis = estimate["principal"]["axis_deg"].as_f64();
         let axis = axis.map(|deg| format!("axis at {} deg", Number::rounded(deg)));
-        for text in verdict(estimate).into_iter().chain(axis) {
+        let curvatures = ["mean_curvature", "object_curvature"].into_iter();
+        let mut highest = curvatures.filter_map(|name| estimate[name]["interval95"][1].as_f64());
+        let is_concave = is_round && highest.any(|highest| highest < 0.0);
+        let concave = is_concave.then(|| "concave".to_owned());
+        for text in verdict(estimate).into_iter().chain(concave).chain(axis) {
             *first = format!("{first}, {text}");
         }
     }
@@ -84,7 +88,10 @@ fn quantity(name: &str, value: &Value) -> Option<String> {
         },
         false => Number::rounded(number).to_string(),
     };
-    let estimate = value["value"].as_f64().map(number);
+    // The radius of a concave object is negative, but its interval has the two magnitudes.
+    let is_radius = [OBJECT_RADIUS, MEAN_RADIUS].contains(&name);
+    let estimate = value["value"].as_f64();
+    let estimate = estimate.map(|value| number(if is_radius { value.abs() } else { value }));
     let [low, high] = [low, high].map(|end| end.map(number));
     let interval = match (&low, &high) {
         (Some(low), Some(high)) => format!(" (95 %: {low} to {high})"),
@@ -170,6 +177,11 @@ mod tests {
     #[test]
     fn an_estimate_is_a_verdict_and_few_lines() {
         let radius = json!({ "value": 39.62, "interval95": [38.7, 40.54], "unit": "mm" });
+        let of_dish =
+            json!({ "value": -39.62, "convex95": null, "concave95": [38.7, 40.54], "unit": "mm" });
+        let dish = json!({ "object_radius": of_dish, "object_curvature": { "interval95": [-0.026, -0.025] } });
+        let line = "object radius 39.6 mm (95 %: 38.7 to 40.5), concave";
+        assert_eq!(summary(&dish), line);
         let open = json!({ "value": null, "interval95": [null, null], "unit": "1/mm" });
         let rows = json!([{ "row": 5 }, { "row": 14 }]);
         let estimate = json!({
