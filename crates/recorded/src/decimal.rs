@@ -64,7 +64,11 @@ impl DecimalSign {
     /// whether the number contains a comma, or a point that may separate thousands.
     pub(super) fn add(&mut self, text: &str) -> bool {
         let is_odd = |decimal| ungrouped(text, decimal).is_none();
-        let [commas, points] = [',', '.'].map(|sign| text.matches(sign).count());
+        let count = |sign| text.bytes().filter(|byte| *byte == sign).count();
+        let [commas, points] = [b',', b'.'].map(count);
+        if self.comma.is_some() && (commas, points) == (1, 0) {
+            return true;
+        }
         let is_point = self.point.is_some() || !self.has_semicolons;
         let is_thousands = commas > 1 || points > 1 || (commas > 0 && points > 0);
         let first = match () {

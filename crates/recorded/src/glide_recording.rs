@@ -207,7 +207,7 @@ impl TryFrom<RecordedFile> for GlideRecording {
         };
         let (columns, others): (Vec<Column>, Vec<Column>) =
             COLUMNS.glides.into_iter().partition(is_read);
-        let sheet = ReadingTable::read(&table, &columns, &others, |_| false)?;
+        let sheet = ReadingTable::read(&table, &columns, &others, |_| true)?;
         let mut contacts = Vec::with_capacity(sheet.source.lines.len());
         // Finger numbers in the file may be arbitrary. Number the fingers anew, in the order in which they first appear.
         let mut indices = Fingers::default();

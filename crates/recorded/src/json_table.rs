@@ -2,7 +2,7 @@
 //! that contains a list of objects.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use csv::StringRecord;
@@ -10,7 +10,6 @@ use palpate_study::readings::spelt;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
-use serde_json::{Map, Value as Json};
 
 use super::decimal::is_missing;
 use super::error::RecordedError;
@@ -28,6 +27,12 @@ pub(super) const MAX_FINGERS: usize = 5;
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
 
+/// Names and values of a row or of an object, in the order of the file.
+type Members<'a> = Vec<(Cow<'a, str>, &'a RawValue)>;
+
+/// Names and values of columns.
+type Columns<'a> = Vec<(Cow<'a, str>, Vec<&'a RawValue>)>;
+
 enum Rows<'a> {
     /// Text of each row (an object or a list), with a number for messages: the line of the row or, if the whole list is
     /// written in one line, the number of the row, counted from 1. If `names` contains column names, each row is a list
@@ -37,12 +42,14 @@ enum Rows<'a> {
         names: Option<Vec<String>>,
         is_list: bool,
     },
-    Records(Vec<Json>),
-    Columns(Vec<Vec<&'a RawValue>>),
+    Columns(Columns<'a>),
 }
 
 pub(super) struct JsonTable<'a> {
     rows: Rows<'a>,
+    /// Single values of the object that contains the rows. They belong to every row. Each value has its path in the
+    /// object as its name, such as `meta.tip_radius`.
+    shared: Vec<(String, Cow<'a, str>)>,
     names: Vec<String>,
     header_line: usize,
 }
@@ -56,87 +63,178 @@ impl<'a> JsonTable<'a> {
         header_line: usize,
         label: Option<&str>,
     ) -> Result<(Self, Vec<String>), RecordedError> {
-        for value in serde_json::Deserializer::from_str(text.all).into_iter::<&RawValue>() {
-            value.map_or(Ok(()), |value| check_keys(file, text, value.get()))?;
-        }
-        let object: BTreeMap<String, &RawValue> =
-            serde_json::from_str(text.all).unwrap_or_default();
-        let data = object.get("data").map(|data| Text {
-            all: data.get(),
-            ..text.from(data.get())
-        });
-        let data = data.filter(|data| data.all.starts_with('['));
-        let split = object.get("columns").filter(|_| data.is_some());
-        let split = split.and_then(|columns| serde_json::from_str::<Vec<Json>>(columns.get()).ok());
         let mut table = Self {
             rows: Rows::Columns(Vec::new()),
+            shared: Vec::new(),
             names: Vec::new(),
             header_line,
         };
-        table.rows =
-            if let Some(data) = data.filter(|_| split.is_some() || object.contains_key("schema")) {
-                let names = split.map(|columns| distinct(file, &columns)).transpose()?;
-                sequence(file, data, names)?
-            } else if let Some(rows) = indexed(&object) {
-                Rows::Sequence {
-                    rows,
-                    names: None,
-                    is_list: true,
-                }
-            } else if let Some((names, columns)) = columns(file, object)? {
-                table.rows = Rows::Columns(columns);
-                table.names.clone_from(&names);
-                return Ok((table, names));
-            } else {
-                let object = serde_json::from_str(text.all).ok();
-                let rows = object.map(|object| nested(file, &object)).transpose()?;
-                match rows.flatten() {
-                    Some(rows) => Rows::Records(rows),
-                    None => sequence(file, text, None)?,
-                }
-            };
+        match serde_json::from_str(text.all) {
+            Ok(Object(members)) => table.read_object(file, text, members)?,
+            Err(_) => table.rows = sequence(file, text, None)?,
+        }
         // A lost reading may be null instead of a vector such as [x, y, z], and then has fewer columns. Therefore take
         // the column names from the first row that contains neither null nor NaN, or from the first row if there is no
         // such row.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
-        let first = match &table.rows {
-            Rows::Sequence { rows, names, .. } => {
-                let value = |&(row, line)| Ok((value(file, names.as_deref(), line, row)?, line));
-                let mut whole = rows.iter().filter(|(row, _)| is_whole(row));
-                whole.next().or(rows.first()).map(value).transpose()?
-            }
-            Rows::Records(rows) => {
-                let mut whole = rows
-                    .iter()
-                    .zip(1..)
-                    .filter(|(row, _)| is_whole(&row.to_string()));
-                let first = whole.next().or(rows.first().map(|row| (row, 1)));
-                first.map(|(row, number)| (row.clone(), number))
-            }
-            Rows::Columns(_) => None,
+        let is_whole = |&place: &usize| match &table.rows {
+            Rows::Sequence { rows, .. } => is_whole(rows[place].0),
+            Rows::Columns(columns) => columns.iter().all(|one| is_whole(one.1[place].get())),
         };
-        let (first, line) = first.unwrap_or((Json::Null, header_line));
-        if let Some(label) = label.filter(|_| has_series(&first)) {
+        let (first, line) = match table.count() {
+            0 => (Vec::new(), header_line),
+            count => table.row(file, (0..count).find(is_whole).unwrap_or(0))?,
+        };
+        let is_of_lists = match &table.rows {
+            Rows::Sequence { rows, names, .. } if names.is_none() => {
+                rows.first().is_some_and(|row| is_list(row.0))
+            }
+            _ => false,
+        };
+        if let Some(label) = label.filter(|_| has_series(&first, is_of_lists)) {
             return Err(file.error(format!(
                 "has lists of readings that may belong to one `{label}` or to one time each; write one list of readings, each with the key `{label}`"
             )));
         }
-        let pairs = pairs(file, line, &first)?;
-        match pairs.len() {
-            0 => Err(file.fail(
-                line,
-                "the first JSON object is empty; its keys must name the columns",
-            )),
-            1..=MAX_KEYS => {
-                table.names = pairs.into_iter().map(|(key, _)| key).collect();
-                let names = table.names.clone();
-                Ok((table, names))
-            }
-            many => Err(file.fail(
-                line,
-                format!("has {many} columns; at most {MAX_KEYS} are read"),
-            )),
+        let (count, values) = (first.len(), values(file, line, &first)?);
+        table.names = values.into_iter().map(|(name, _)| name).collect();
+        if let Rows::Sequence { names, .. } = &mut table.rows
+            && is_of_lists
+        {
+            *names = Some((0..count).map(|place| place.to_string()).collect());
         }
+        let names: HashSet<String> = table.names.iter().cloned().collect();
+        table.shared.retain(|(name, _)| !names.contains(name));
+        let shared = table.shared.iter().map(|(name, _)| name.clone());
+        table.names.extend(shared);
+        let message = match table.names.len() {
+            0 => "the first JSON object is empty; its keys must name the columns".to_owned(),
+            1..=MAX_KEYS => {
+                let names = table.names.clone();
+                return Ok((table, names));
+            }
+            many => format!("has {many} columns; at most {MAX_KEYS} are read"),
+        };
+        Err(file.fail(line, message))
+    }
+
+    /// Finds the rows in an object with the given members. If it contains none, the object itself is the only row.
+    fn read_object(
+        &mut self,
+        file: &RecordedFile,
+        text: Text<'a>,
+        mut members: Members<'a>,
+    ) -> RowResult {
+        if let Some(key) = repeated(members.iter().map(|(key, _)| &**key)) {
+            let value = members.iter().rfind(|(name, _)| name == key);
+            let line = value.map_or(text.line, |(_, value)| text.from(value.get()).line);
+            return Err(file.fail(line, twice(key)));
+        }
+        let member = |name: &str| {
+            let mut members = members.iter();
+            Some(members.find(|(key, _)| key == name)?.1.get())
+        };
+        let within = |part: &'a str| Text {
+            all: part,
+            ..text.from(part)
+        };
+        let data = member("data").filter(|data| is_list(data));
+        let split = member("columns").and_then(|columns| serde_json::from_str(columns).ok());
+        if let Some(data) = data
+            && (split.is_some() || member("schema").is_some())
+        {
+            let split: Option<Vec<&RawValue>> = split;
+            let name = |name: &RawValue| plain(name).unwrap_or(name.get().into()).into_owned();
+            let names: Option<Vec<String>> =
+                split.map(|names| names.into_iter().map(name).collect());
+            if let Some(name) = names
+                .as_ref()
+                .and_then(|names| repeated(names.iter().map(|name| &**name)))
+            {
+                let message = format!("column `{name}` occurs twice; rename one of them");
+                return Err(file.fail(1, message));
+            }
+            self.rows = sequence(file, within(data), names)?;
+            return Ok(());
+        }
+        if let Some(rows) = indexed(&members) {
+            self.rows = rows;
+            return Ok(());
+        }
+        let has_objects = |value: &RawValue| {
+            let text = value.get().strip_prefix('[');
+            text.is_some_and(|text| text.trim_start().starts_with('{')) && {
+                let items = items(value);
+                items.len() > 1 && items.iter().all(|item| item.get().starts_with('{'))
+            }
+        };
+        let lists: Vec<_> = members.iter().filter(|one| has_objects(one.1)).collect();
+        self.rows = match lists[..] {
+            [] => match columns(file, &members)? {
+                Some(columns) => {
+                    members.retain(|(name, _)| columns.iter().all(|column| column.0 != *name));
+                    Rows::Columns(columns)
+                }
+                None => {
+                    self.rows = sequence(file, text, None)?;
+                    return Ok(());
+                }
+            },
+            [(_, rows)] => sequence(file, within(rows.get()), None)?,
+            [(one, _), (other, _), ..] => {
+                return Err(file.error(format!(
+                    "has several lists of objects (`{one}`, `{other}`); write the list with the readings into its own file"
+                )));
+            }
+        };
+        for (name, value) in members {
+            shared_values(&name, value, &mut self.shared);
+        }
+        Ok(())
+    }
+
+    fn count(&self) -> usize {
+        match &self.rows {
+            Rows::Sequence { rows, .. } => rows.len(),
+            Rows::Columns(columns) => columns.first().map_or(0, |(_, column)| column.len()),
+        }
+    }
+
+    /// Names and values of a row, and its number for messages.
+    fn row<'s>(
+        &'s self,
+        file: &RecordedFile,
+        place: usize,
+    ) -> Result<(Members<'s>, usize), RecordedError> {
+        let (rows, names) = match &self.rows {
+            Rows::Sequence { rows, names, .. } => (rows, names),
+            Rows::Columns(columns) => {
+                let value = |(name, column): &'s (Cow<'a, str>, Vec<&'a RawValue>)| {
+                    (Cow::Borrowed(&**name), column[place])
+                };
+                return Ok((columns.iter().map(value).collect(), place + 1));
+            }
+        };
+        let (row, line) = rows[place];
+        let fail = |error| no_json(file, line, &error);
+        let Some(names) = names else {
+            let row: &RawValue = serde_json::from_str(row).map_err(fail)?;
+            let members = members(row).map_err(fail)?;
+            return match plain(row) {
+                Some(_) => Err(file.fail(line, format!("is no JSON object; {NEEDED}"))),
+                None => Ok((members, line)),
+            };
+        };
+        let values: Vec<&RawValue> = match is_list(row) {
+            true => serde_json::from_str(row).map_err(fail)?,
+            false => Vec::new(),
+        };
+        if values.len() != names.len() {
+            let (found, expected) = (values.len(), names.len());
+            return Err(file.fail(line, format!("{found} values for {expected} columns")));
+        }
+        let names = names.iter().map(|name| Cow::Borrowed(name.as_str()));
+        Ok((names.zip(values).collect(), line))
     }
 
     pub(super) fn rows(
@@ -144,100 +242,48 @@ impl<'a> JsonTable<'a> {
         file: &RecordedFile,
         mut take: impl FnMut(Record<'_>) -> RowResult,
     ) -> RowResult {
-        let mut fields = StringRecord::new();
-        let mut take = |line: usize, is_after_gap: bool, fields: &StringRecord| {
+        let (mut fields, mut path) = (StringRecord::new(), String::new());
+        let mut before = self.header_line;
+        let is_by_lines = matches!(self.rows, Rows::Sequence { is_list: false, .. });
+        let own = self.names.len() - self.shared.len();
+        for place in 0..self.count() {
+            let (row, line) = self.row(file, place)?;
+            fields.clear();
+            let mut push = |name: &str, value: Cow<'_, str>| {
+                let is_next = self
+                    .names
+                    .get(fields.len())
+                    .is_some_and(|next| next == name);
+                fields.push_field(&value);
+                is_next
+            };
+            let is_regular = each_value(&row, &mut path, &mut push) && fields.len() == own;
+            if !is_regular {
+                fields = self.irregular(file, line, &row)?;
+            }
+            for (_, value) in &self.shared {
+                fields.push_field(value);
+            }
             take(Record {
                 line,
-                is_after_gap,
-                fields,
-            })
-        };
-        match &self.rows {
-            Rows::Sequence {
-                rows,
-                names,
-                is_list,
-            } => {
-                let names = names.as_deref();
-                let places = self.places(names);
-                let mut before = self.header_line;
-                for &(row, line) in rows {
-                    fields.clear();
-                    match self.plain_values(row, names, &places) {
-                        Some(values) => values.iter().for_each(|value| fields.push_field(value)),
-                        None => {
-                            let row = value(file, names, line, row)?;
-                            self.nested_values(file, line, &row, &mut fields)?;
-                        }
-                    }
-                    take(line, !is_list && line > before + 1, &fields)?;
-                    before = line;
-                }
-            }
-            Rows::Records(rows) => {
-                for (row, number) in rows.iter().zip(1..) {
-                    fields.clear();
-                    self.nested_values(file, number, row, &mut fields)?;
-                    take(number, false, &fields)?;
-                }
-            }
-            Rows::Columns(columns) => {
-                for row in 0..columns.first().map_or(0, Vec::len) {
-                    fields.clear();
-                    for column in columns {
-                        fields.push_field(&plain(column[row]).unwrap_or_default());
-                    }
-                    take(row + 1, false, &fields)?;
-                }
-            }
+                is_after_gap: is_by_lines && line > before + 1,
+                fields: &fields,
+            })?;
+            before = line;
         }
         Ok(())
     }
 
-    /// For each column, the index of its value in a row that is a list. `names` contains the names of the values in a
-    /// row. Without `names`, the name of a column is this index. `None` if a column has no value in the rows.
-    fn places(&self, names: Option<&[String]>) -> Option<Vec<usize>> {
-        let place = |name: &String| match names {
-            Some(names) => names.iter().position(|one| one == name),
-            None => name.parse().ok(),
-        };
-        self.names.iter().map(place).collect()
-    }
-
-    /// Values of a row. `None` if the row lacks a column of the table, has additional values, or contains lists or
-    /// objects. `places` contains the indices of the columns in a row that is a list.
-    fn plain_values<'v>(
-        &self,
-        row: &'v str,
-        names: Option<&[String]>,
-        places: &Option<Vec<usize>>,
-    ) -> Option<Vec<Cow<'v, str>>> {
-        let count = names.map_or(self.names.len(), <[String]>::len);
-        if row.starts_with('[') || names.is_some() {
-            let values: Vec<&RawValue> = serde_json::from_str(row).ok()?;
-            let places = places.as_ref().filter(|_| values.len() == count)?.iter();
-            return places.map(|&place| plain(values.get(place)?)).collect();
-        }
-        let values: BTreeMap<&str, &RawValue> = serde_json::from_str(row).ok()?;
-        let names = Some(&self.names).filter(|_| values.len() == count)?.iter();
-        names.map(|name| plain(values.get(&**name)?)).collect()
-    }
-
-    /// Adds the values of a row to `fields`. Lists and objects in the row are divided into one value per column.
-    fn nested_values(
+    /// Fields of a row whose values are not those of the table's columns in the same order.
+    fn irregular(
         &self,
         file: &RecordedFile,
         line: usize,
-        row: &Json,
-        fields: &mut StringRecord,
-    ) -> RowResult {
-        let pairs = pairs(file, line, row)?;
-        if pairs.iter().map(|(name, _)| name).eq(&self.names) {
-            pairs.iter().for_each(|(_, value)| fields.push_field(value));
-            return Ok(());
-        }
-        let values: HashMap<String, String> = pairs.into_iter().collect();
-        for name in &self.names {
+        row: &Members<'_>,
+    ) -> Result<StringRecord, RecordedError> {
+        let values: HashMap<String, Cow<'_, str>> = values(file, line, row)?.into_iter().collect();
+        let mut fields = StringRecord::new();
+        for name in &self.names[..self.names.len() - self.shared.len()] {
             let value = values.get(name);
             let keys = values.keys().filter(|_| value.is_none());
             let keys = keys.filter(|key| is_within(key, name) || is_within(name, key));
@@ -245,21 +291,9 @@ impl<'a> JsonTable<'a> {
                 let message = format!("has `{key}`, but the first row has `{name}`");
                 return Err(file.fail(line, message));
             }
-            fields.push_field(value.map_or("", String::as_str));
+            fields.push_field(value.map_or("", |value| value));
         }
-        Ok(())
-    }
-}
-
-/// Names of columns. Returns an error if a name occurs twice.
-fn distinct(file: &RecordedFile, columns: &[Json]) -> Result<Vec<String>, RecordedError> {
-    let names: Vec<String> = columns.iter().map(scalar).collect();
-    match (1..names.len()).find(|&at| names[..at].contains(&names[at])) {
-        Some(at) => {
-            let message = format!("column `{}` occurs twice; rename one of them", names[at]);
-            Err(file.fail(1, message))
-        }
-        None => Ok(names),
+        Ok(fields)
     }
 }
 
@@ -269,7 +303,7 @@ fn sequence<'a>(
     text: Text<'a>,
     names: Option<Vec<String>>,
 ) -> Result<Rows<'a>, RecordedError> {
-    let is_list = text.all.trim_start().starts_with('[');
+    let is_list = is_list(text.all.trim_start());
     let lines = || text.rows_after(0).map(|(row, line)| (row.trim(), line));
     let rows = if is_list {
         let rows: Vec<&RawValue> =
@@ -300,40 +334,21 @@ fn sequence<'a>(
 
 /// Rows of a table that pandas wrote with the orientation `index`, with their numbers in the table; `None` if it is no
 /// such table.
-fn indexed<'a>(object: &BTreeMap<String, &'a RawValue>) -> Option<Vec<(&'a str, usize)>> {
-    let row = |(number, row): (&String, &&'a RawValue)| {
+fn indexed<'a>(members: &Members<'a>) -> Option<Rows<'a>> {
+    let row = |(number, row): &(Cow<'a, str>, &'a RawValue)| {
         // If this is a column instead of a row, its keys are the numbers of the rows.
-        let is_row = row.get().starts_with('{') && numbered_rows(row.get()).is_none();
+        let is_row = row.get().starts_with('{') && numbered_rows(row).is_none();
         let number = number.parse::<u64>().ok().filter(|_| is_row)?;
         Some((number, row.get()))
     };
-    let rows = object.iter().map(row).collect::<Option<Vec<_>>>();
+    let rows = members.iter().map(row).collect::<Option<Vec<_>>>();
     let mut rows = rows.filter(|rows| !rows.is_empty())?;
     rows.sort_by_key(|(number, _)| *number);
-    Some(rows.into_iter().map(|(_, row)| row).zip(1..).collect())
-}
-
-/// Parses a row. If `names` contains the names of its values, the result is an object with these keys. Returns an error
-/// if the row does not have one value per name.
-fn value(
-    file: &RecordedFile,
-    names: Option<&[String]>,
-    line: usize,
-    row: &str,
-) -> Result<Json, RecordedError> {
-    let row = serde_json::from_str(row).map_err(|error| no_json(file, line, &error))?;
-    let Some(names) = names else {
-        return Ok(row);
-    };
-    let values = match row {
-        Json::Array(values) => values,
-        _ => Vec::new(),
-    };
-    if values.len() != names.len() {
-        let (found, expected) = (values.len(), names.len());
-        return Err(file.fail(line, format!("{found} values for {expected} columns")));
-    }
-    Ok(Json::Object(names.iter().cloned().zip(values).collect()))
+    Some(Rows::Sequence {
+        rows: rows.into_iter().map(|(_, row)| row).zip(1..).collect(),
+        names: None,
+        is_list: true,
+    })
 }
 
 /// Whether the column `key` is a component of the value `name`, such as `position.0` of `position`.
@@ -345,127 +360,74 @@ fn is_within(key: &str, name: &str) -> bool {
 /// Whether the first row of a table contains a series of readings. A row that is a list of lists or objects is a
 /// series. In a row that is an object without a time, a long list of vectors or objects, or of numbers along one axis,
 /// is a series. Long means more items than a hand has fingers; a shorter list contains the fingers at one time.
-fn has_series(row: &Json) -> bool {
-    let is_list = |items: &[Json]| items.iter().all(|item| item.is_array() || item.is_object());
-    let is_long = |(name, value): (&String, &Json)| {
-        let items = value.as_array().filter(|items| items.len() > MAX_FINGERS);
-        items.is_some_and(|items| is_list(items) || is_of_axis(name))
+fn has_series(row: &Members<'_>, is_list: bool) -> bool {
+    let is_nested = |value: &&RawValue| value.get().starts_with(['[', '{']);
+    let is_long = |(name, value): &(Cow<'_, str>, &RawValue)| {
+        let items = items(value);
+        items.len() > MAX_FINGERS && (items.iter().all(is_nested) || is_of_axis(name))
     };
-    match row {
-        Json::Array(items) => items.len() > 1 && is_list(items),
-        Json::Object(row) if row.keys().any(|name| Heading::of(name).is_time()) => false,
-        row => row.as_object().is_some_and(|row| row.iter().any(is_long)),
+    if is_list {
+        return row.len() > 1 && row.iter().all(|(_, value)| is_nested(value));
     }
+    let has_time = row.iter().any(|(name, _)| Heading::of(name).is_time());
+    !has_time && row.iter().any(is_long)
 }
 
-/// Rows of the table in a JSON object. Either the object contains a single list of objects, which are the rows. Or its
-/// lists have the same length, with one item per row, and the items of at least one list are vectors. The single values
-/// of the object are added to each row. `None` for other objects.
-///
-/// # Errors
-/// An error if the object contains several lists of objects.
-fn nested(
-    file: &RecordedFile,
-    object: &Map<String, Json>,
-) -> Result<Option<Vec<Json>>, RecordedError> {
-    let lists = || {
-        let lists = object.iter();
-        lists.filter_map(|(name, value)| Some((name, value.as_array()?)))
-    };
-    let mut single = Vec::new();
-    single_values(object, "", &mut single);
-    let shared = || single.iter().cloned();
-    let has_objects = |list: &[Json]| list.len() > 1 && list.iter().all(Json::is_object);
-    let of_objects: Vec<_> = lists().filter(|(_, list)| has_objects(list)).collect();
-    match of_objects[..] {
-        [] => {}
-        [(_, rows)] => {
-            let row = |row: &Json| shared().chain(row.as_object().cloned().unwrap_or_default());
-            return Ok(Some(rows.iter().map(|one| row(one).collect()).collect()));
-        }
-        [(one, _), (other, _), ..] => {
-            return Err(file.error(format!(
-                "has several lists of objects (`{one}`, `{other}`); write the list with the readings into its own file"
-            )));
-        }
-    }
-    let count = lists().map(|(_, list)| list.len()).max().unwrap_or(0);
-    let is_item = |item: &Json| item.is_array() || is_missing(&scalar(item));
-    let is_vector = |(_, list): (&String, &Vec<Json>)| {
-        list.iter().all(is_item) && list.iter().any(Json::is_array)
-    };
-    if count <= MAX_COMPONENTS || lists().any(|(_, list)| list.len() != count) {
-        return Ok(None);
-    }
-    let row = |row: usize| {
-        let own = lists().map(|(name, list)| (name.clone(), list[row].clone()));
-        shared().chain(own).collect()
-    };
-    Ok(lists()
-        .any(is_vector)
-        .then(|| (0..count).map(row).collect()))
-}
-
-/// Collects the single values of a JSON object, that is, the values that are neither lists nor parts of lists. Each
-/// value is stored with its path in the object, such as `meta.tip_radius`.
-fn single_values(object: &Map<String, Json>, path: &str, values: &mut Vec<(String, Json)>) {
-    for (name, value) in object {
-        let name = format!("{path}{name}");
-        match value {
-            Json::Array(_) => {}
-            Json::Object(inner) => single_values(inner, &format!("{name}."), values),
-            value => values.push((name, value.clone())),
+/// Collects the single values in `value`, that is, the values that are neither lists nor parts of lists.
+fn shared_values<'a>(path: &str, value: &'a RawValue, shared: &mut Vec<(String, Cow<'a, str>)>) {
+    if let Some(text) = plain(value) {
+        shared.push((path.to_owned(), text));
+    } else if !is_list(value.get()) {
+        for (name, value) in members(value).unwrap_or_default() {
+            shared_values(&format!("{path}.{name}"), value, shared);
         }
     }
 }
 
-/// Names and values of the columns, if the object has one list per column; otherwise `None`. Single values of the
-/// object are added to each row.
-#[expect(clippy::type_complexity, reason = "names and values of the columns")]
+/// Names and values of the columns, if the object has one list per column; otherwise `None`. The items of a list are
+/// single values or vectors.
 fn columns<'a>(
     file: &RecordedFile,
-    object: BTreeMap<String, &'a RawValue>,
-) -> Result<Option<(Vec<String>, Vec<Vec<&'a RawValue>>)>, RecordedError> {
-    let (mut names, mut columns, mut shared) = (Vec::new(), Vec::new(), Vec::new());
-    let mut is_table = false;
+    members: &Members<'a>,
+) -> Result<Option<Columns<'a>>, RecordedError> {
+    let mut columns = Columns::new();
+    let (mut is_table, mut has_vectors) = (false, false);
     let (mut row_numbers, mut other) = (None, None);
-    for (name, value) in object {
-        let column = match value.get() {
-            list if list.starts_with('[') => serde_json::from_str(list).ok(),
-            rows if rows.starts_with('{') => numbered_rows(rows).map(|rows| {
-                let (own, column): (Vec<_>, _) = rows.into_iter().unzip();
-                let (first, numbers) =
-                    row_numbers.get_or_insert_with(|| (name.clone(), own.clone()));
-                if *numbers != own {
-                    other = Some([first.clone(), name.clone()]);
-                }
-                column
-            }),
-            _ => {
-                shared.push((name, value));
-                continue;
+    for (name, value) in members {
+        let column = if is_list(value.get()) {
+            items(value)
+        } else if let Some((numbers, column)) = numbered_rows(value) {
+            let (first, expected) = row_numbers.get_or_insert((name, numbers.clone()));
+            if *expected != numbers {
+                other = Some([*first, name]);
             }
+            column
+        } else {
+            continue;
         };
-        let is_column = |column: &Vec<&RawValue>| column.iter().all(|value| plain(value).is_some());
-        let Some(column) = column.filter(is_column) else {
+        let is_plain = column.iter().all(|value| plain(value).is_some());
+        let is_vector = |item: &&RawValue| {
+            is_list(item.get()) || plain(item).is_some_and(|text| is_missing(&text))
+        };
+        if !is_plain && !column.iter().all(is_vector) {
             return Ok(None);
-        };
+        }
+        has_vectors |= !is_plain;
         // A long list is a column. A short list is a column only if its name denotes one axis; otherwise it may be a
         // vector in a table with a single row.
-        let is_long = value.get().starts_with('[') && column.len() > MAX_COMPONENTS;
-        is_table |= is_of_axis(&name) || is_long;
-        names.push(name);
-        columns.push(column);
+        let is_long = is_list(value.get()) && column.len() > MAX_COMPONENTS;
+        is_table |= (is_plain && is_of_axis(name)) || is_long;
+        columns.push((name.clone(), column));
     }
-    if !is_table || !(2..=MAX_KEYS).contains(&columns.len()) {
+    let least = if has_vectors { 1 } else { 2 };
+    if !is_table || !(least..=MAX_KEYS).contains(&columns.len()) {
         return Ok(None);
     }
-    let rows = columns[0].len();
-    let mut others = names.iter().zip(&columns);
+    let (first, rows) = (&columns[0].0, columns[0].1.len());
+    let mut others = columns.iter();
     if let Some((name, column)) = others.find(|(_, column)| column.len() != rows) {
         return Err(file.error(format!(
-            "has columns of different lengths: `{}` has {rows} values, `{name}` has {}",
-            names[0],
+            "has columns of different lengths: `{first}` has {rows} values, `{name}` has {}",
             column.len()
         )));
     }
@@ -474,72 +436,88 @@ fn columns<'a>(
             "has columns with different rows: `{one}` and `{other}` differ in the numbers of their rows"
         )));
     }
-    for (name, value) in shared {
-        names.push(name);
-        columns.push(vec![value; rows]);
-    }
-    Ok(Some((names, columns)))
+    Ok(Some(columns))
 }
 
-/// Values of a column by the numbers of their rows. pandas writes a column as such an object.
-type NumberedRows<'a> = BTreeMap<u64, &'a RawValue>;
-
-/// Parses a column. `None` if the keys are no numbers of rows.
-fn numbered_rows(text: &str) -> Option<NumberedRows<'_>> {
-    let Pairs(rows) = serde_json::from_str(text).ok()?;
-    let row = |(number, value): (String, _)| Some((number.parse().ok()?, value));
-    rows.into_iter().map(row).collect()
+/// Parses a column whose keys are the numbers of rows, as pandas writes it. Returns these numbers and the values, in the
+/// order of the numbers. `None` if the keys are no numbers or occur twice.
+fn numbered_rows(value: &RawValue) -> Option<(Vec<u64>, Vec<&RawValue>)> {
+    let Object(members) = serde_json::from_str(value.get()).ok()?;
+    let row = |(number, value): (Cow<'_, str>, _)| Some((number.parse().ok()?, value));
+    let rows: Option<Vec<(u64, &RawValue)>> = members.into_iter().map(row).collect();
+    let mut rows = rows?;
+    rows.sort_by_key(|(number, _)| *number);
+    let is_distinct = rows.windows(2).all(|rows| rows[0].0 < rows[1].0);
+    is_distinct.then(|| rows.into_iter().unzip())
 }
 
-/// Returns an error if an object in the JSON value `value` has a key twice.
-fn check_keys(file: &RecordedFile, text: Text<'_>, value: &str) -> RowResult {
-    let within = |item: &RawValue| check_keys(file, text, item.get());
-    if value.starts_with('[') {
-        let items: Vec<&RawValue> = serde_json::from_str(value).unwrap_or_default();
-        return items.into_iter().try_for_each(within);
-    }
-    let Pairs(pairs) = match value.starts_with('{') {
-        true => serde_json::from_str(value).unwrap_or_default(),
-        false => return Ok(()),
-    };
-    let mut keys = HashSet::with_capacity(pairs.len());
-    if let Some((key, _)) = pairs.iter().find(|(key, _)| !keys.insert(key.as_str())) {
-        let message = format!("the key `{key}` occurs twice in an object; rename one of them");
-        return Err(file.fail(text.from(value).line, message));
-    }
-    pairs.iter().try_for_each(|(_, item)| within(item))
+/// The name that occurs twice in `names`, if there is one.
+fn repeated<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let mut earlier = HashSet::new();
+    names.find(|name| !earlier.insert(*name))
 }
 
-/// Keys and values of a JSON object, in the order of the file.
-#[derive(Default)]
-struct Pairs<'a>(Vec<(String, &'a RawValue)>);
+fn twice(key: &str) -> String {
+    format!("the key `{key}` occurs twice in an object; rename one of them")
+}
 
-impl<'de> Deserialize<'de> for Pairs<'de> {
+/// A JSON object: its members in the order of the file.
+struct Object<'a>(Members<'a>);
+
+impl<'de> Deserialize<'de> for Object<'de> {
     fn deserialize<D: Deserializer<'de>>(source: D) -> Result<Self, D::Error> {
-        source.deserialize_map(Self::default())
+        source.deserialize_map(ObjectVisitor)
     }
 }
 
-impl<'de> Visitor<'de> for Pairs<'de> {
-    type Value = Self;
+/// A key, which is copied only if it contains escape sequences.
+#[derive(Deserialize)]
+struct Key<'a>(#[serde(borrow)] Cow<'a, str>);
+
+struct ObjectVisitor;
+
+impl<'de> Visitor<'de> for ObjectVisitor {
+    type Value = Object<'de>;
 
     fn expecting(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
         text.write_str("an object")
     }
 
-    fn visit_map<A: MapAccess<'de>>(mut self, mut pairs: A) -> Result<Self, A::Error> {
-        while let Some(pair) = pairs.next_entry()? {
-            self.0.push(pair);
+    fn visit_map<A: MapAccess<'de>>(self, mut pairs: A) -> Result<Self::Value, A::Error> {
+        let mut members = Vec::new();
+        while let Some((Key(key), value)) = pairs.next_entry()? {
+            members.push((key, value));
         }
-        Ok(self)
+        Ok(Object(members))
     }
+}
+
+/// Names and values in an object or a list; the names in a list are 0, 1, 2 and so on.
+fn members(value: &RawValue) -> Result<Members<'_>, serde_json::Error> {
+    if is_list(value.get()) {
+        let items: Vec<&RawValue> = serde_json::from_str(value.get())?;
+        let names = (0..).map(|place: usize| Cow::Owned(place.to_string()));
+        return Ok(names.zip(items).collect());
+    }
+    match plain(value) {
+        Some(_) => Ok(Vec::new()),
+        None => serde_json::from_str(value.get()).map(|Object(members)| members),
+    }
+}
+
+/// Items of a list; empty for other values.
+fn items(value: &RawValue) -> Vec<&RawValue> {
+    serde_json::from_str(value.get()).unwrap_or_default()
+}
+
+fn is_list(text: &str) -> bool {
+    text.starts_with('[')
 }
 
 /// Whether a name denotes one axis, such as `x_mm`.
 fn is_of_axis(name: &str) -> bool {
-    let name = spelt(name);
-    let mut words = name.split('_');
-    words.any(|word| matches!(word, "x" | "y" | "z" | "u" | "v"))
+    let is_axis = |word| matches!(word, "x" | "y" | "z" | "u" | "v");
+    spelt(name).split('_').any(is_axis)
 }
 
 const NEEDED: &str = "a list of objects is needed, or an object per line";
@@ -558,38 +536,52 @@ fn no_json(file: &RecordedFile, line: usize, error: &serde_json::Error) -> Recor
     )
 }
 
-/// Names and values of an object or a list; nested names are joined by points, as in `position.0`.
-fn pairs(
+/// Names and texts of all single values in a row. Returns an error if an object has a key twice.
+fn values<'r>(
     file: &RecordedFile,
     line: usize,
-    value: &Json,
-) -> Result<Vec<(String, String)>, RecordedError> {
-    if !value.is_object() && !value.is_array() {
-        return Err(file.fail(line, format!("is no JSON object; {NEEDED}")));
+    row: &Members<'r>,
+) -> Result<Vec<(String, Cow<'r, str>)>, RecordedError> {
+    let mut values = Vec::new();
+    if let Some(key) = repeated_key(row) {
+        return Err(file.fail(line, twice(&key)));
     }
-    let mut pairs = Vec::new();
-    flatten("", value, &mut pairs);
-    Ok(pairs)
+    each_value(row, &mut String::new(), &mut |name, value| {
+        values.push((name.to_owned(), value));
+        true
+    });
+    Ok(values)
 }
 
-fn flatten(name: &str, value: &Json, pairs: &mut Vec<(String, String)>) {
-    let within = |key: &str| match name.is_empty() {
-        true => key.to_owned(),
-        false => format!("{name}.{key}"),
-    };
-    match value {
-        Json::Object(object) => {
-            for (key, value) in object {
-                flatten(&within(key), value, pairs);
-            }
+/// A key that occurs twice in one of the objects in a row.
+fn repeated_key(row: &Members<'_>) -> Option<String> {
+    let own = repeated(row.iter().map(|(key, _)| &**key));
+    own.map(str::to_owned).or_else(|| {
+        let mut within = row.iter().map(|(_, value)| members(value));
+        within.find_map(|members| repeated_key(&members.unwrap_or_default()))
+    })
+}
+
+/// Calls `take` with the name and the text of each single value in `row`, until `take` returns false. The names of
+/// nested values are joined by points, as in `position.0`; `path` is the name of `row` itself.
+fn each_value<'r>(
+    row: &Members<'r>,
+    path: &mut String,
+    take: &mut impl FnMut(&str, Cow<'r, str>) -> bool,
+) -> bool {
+    let length = path.len();
+    row.iter().all(|(name, value)| {
+        if length > 0 {
+            path.push('.');
         }
-        Json::Array(items) => {
-            for (index, value) in items.iter().enumerate() {
-                flatten(&within(&index.to_string()), value, pairs);
-            }
-        }
-        value => pairs.push((name.to_owned(), scalar(value))),
-    }
+        path.push_str(name);
+        let is_continued = match plain(value) {
+            Some(text) => take(path, text),
+            None => each_value(&members(value).unwrap_or_default(), path, take),
+        };
+        path.truncate(length);
+        is_continued
+    })
 }
 
 /// A single JSON value as text; empty for `null`. `None` for a list or an object. Numbers are not converted, so they are
@@ -598,16 +590,9 @@ fn plain(value: &RawValue) -> Option<Cow<'_, str>> {
     match value.get() {
         "null" => Some("".into()),
         text if text.starts_with(['[', '{']) => None,
-        text if text.starts_with('"') => serde_json::from_str::<String>(text).ok().map(Cow::from),
+        text if text.starts_with('"') => {
+            Some(serde_json::from_str(text).map_or(text.into(), |Key(text)| text))
+        }
         text => Some(text.into()),
-    }
-}
-
-/// A JSON value as text; empty for `null`.
-fn scalar(value: &Json) -> String {
-    match value {
-        Json::Null => String::new(),
-        Json::String(text) => text.clone(),
-        value => value.to_string(),
     }
 }

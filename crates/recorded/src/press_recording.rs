@@ -218,7 +218,7 @@ impl TryFrom<RecordedFile> for PressRecording {
             (false, true) => (&COLUMNS.presses[..], &[][..]),
             (false, false) => COLUMNS.presses.split_at(3),
         };
-        let sheet = ReadingTable::read(&table, columns, others, |_| false)?;
+        let sheet = ReadingTable::read(&table, columns, others, |_| true)?;
         let (mut places, mut normal, mut tangential) = (Vec::new(), Vec::new(), Vec::new());
         for (_, numbers) in sheet.rows() {
             match *numbers {

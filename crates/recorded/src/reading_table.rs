@@ -19,8 +19,8 @@ use super::text_table::TextTable;
 
 /// Largest number of rows of a table.
 const MAX_ROWS: usize = 5_000_000;
-/// Rows of time series are thinned out if there are more than this number.
-const MAX_DENSE_ROWS: usize = 1 << 20;
+/// Rows of time series, glides and presses are thinned out if there are more than this number.
+const MAX_DENSE_ROWS: usize = 1 << 19;
 
 /// Maximum size of all columns that palpate does not use, MiB.
 const MAX_EXTRA_MIB: usize = 256;
@@ -205,7 +205,7 @@ impl ReadingTable {
             all.thin(&mut stride, &is_spare);
             let source = &mut all.source;
             let text = format!(
-                "{} of {count} rows are used: of successive rows that change little, one in {stride} is enough",
+                "{} of {count} readings are used: of so many successive readings, one in {stride} is enough",
                 source.lines.len()
             );
             source.notes.push(Warning::new("left-out", text, []));
@@ -213,8 +213,8 @@ impl ReadingTable {
         Ok(all)
     }
 
-    /// Leaves out spare rows until at most half of [`MAX_DENSE_ROWS`] rows remain. A spare row remains if its index in
-    /// the file is a multiple of `stride`. If too many rows remain, `stride` is doubled.
+    /// Leaves out spare rows until at most three quarters of [`MAX_DENSE_ROWS`] rows remain. Of the spare rows, about one in
+    /// `stride` remains. If too many rows remain, `stride` is doubled.
     fn thin(&mut self, stride: &mut usize, is_spare: impl Fn([&[f64]; 3]) -> bool) {
         while *stride < MAX_ROWS {
             let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();
@@ -224,9 +224,13 @@ impl ReadingTable {
             {
                 return;
             }
+            // Fractions of multiples of the golden ratio are evenly distributed, so the remaining rows contain all
+            // fingers, even if the fingers take turns row by row.
+            let is_sample =
+                |row: usize| (row as u32).wrapping_mul(0x9e37_79b9) <= u32::MAX / *stride as u32;
             let is_start = |row| self.after_gaps.binary_search(&row).is_ok();
             let is_kept = |&row: &usize| {
-                self.source.rows[row].is_multiple_of(*stride)
+                is_sample(self.source.rows[row])
                     || row == 0
                     || row + 1 == rows.len()
                     || is_start(row)
@@ -235,7 +239,7 @@ impl ReadingTable {
             };
             let kept: Vec<usize> = (0..rows.len()).filter(is_kept).collect();
             self.keep(&kept);
-            if 2 * kept.len() <= MAX_DENSE_ROWS {
+            if 4 * kept.len() <= 3 * MAX_DENSE_ROWS {
                 return;
             }
             *stride *= 2;

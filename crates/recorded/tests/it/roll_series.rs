@@ -269,7 +269,7 @@ fn very_long_series_are_thinned_out() {
     };
     let found = serde_json::to_value(estimate(&rows).unwrap().unwrap()).unwrap();
     let text = found["warnings"][0]["text"].as_str().unwrap();
-    assert!(text.contains(" of 1120004 rows are used: "), "{text}");
+    assert!(text.contains(" of 1120004 readings are used: "), "{text}");
     let bound =
         |end: usize| RADII[1] * found["mean_curvature"]["interval95"][end].as_f64().unwrap();
     assert!(

@@ -314,7 +314,7 @@ fn poses_of_tips_need_their_radius() {
     let two = list.replace("\"tip\"", "\"log\":[{\"a\":1},{\"a\":2}],\"tip\"");
     let error = glide(two, "").unwrap_err();
     assert!(
-        error.contains("several lists of objects (`contacts`, `log`)"),
+        error.contains("several lists of objects (`log`, `contacts`)"),
         "{error}"
     );
     for rows in [
