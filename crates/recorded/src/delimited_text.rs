@@ -64,6 +64,8 @@ impl<'a> DelimitedText<'a> {
             heading += 1;
             next = rows.next();
         }
+        let is_copy = |row: &StringRecord| row.iter().map(tidy).take(header.len()).eq(&header);
+        let next = next.filter(|row| !is_copy(row));
         let units = next.and_then(|row| units(&row, header.len()));
         for (name, unit) in header.iter_mut().zip(units.iter().flatten()) {
             match bracketed(name).1 {

@@ -28,10 +28,8 @@ pub(super) fn assign_fingers(
         );
         return (fingers, note);
     }
-    let steps: Vec<f64> = places
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).norm())
-        .collect();
+    let steps = places.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+    let steps: Vec<f64> = steps.collect();
     let mut sorted = steps.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);

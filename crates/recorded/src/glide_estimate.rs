@@ -411,7 +411,15 @@ impl<'r> GlideFitResult<'r> {
         Warning::of(StatedQuantity::Scale.code(), spacing)
             .into_iter()
             .chain(Warning::of(StatedQuantity::Scale.code(), other_tip))
-            .chain(Warning::of("units", extent(contacts, unit)))
+            .chain(Warning::of(
+                "units",
+                extent(
+                    contacts,
+                    unit,
+                    self.given.tip_radius,
+                    &self.centre.curvature,
+                ),
+            ))
             .chain(side)
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))

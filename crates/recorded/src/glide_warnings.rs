@@ -1,7 +1,9 @@
 //! Warnings about the contacts of a patch: values that contradict the settings, and likely mistakes.
 
 use nalgebra::{Matrix3, Vector3};
-use palpate_ep2::{Contact, Method, NoiseEstimate, Patch, Quadric, Shape, ShapeFit, ShapeSettings};
+use palpate_ep2::{
+    Contact, Curvature, Method, NoiseEstimate, Patch, Quadric, Shape, ShapeFit, ShapeSettings,
+};
 use palpate_estimators::{GlideFit, GlideMethod};
 use palpate_statistics::{
     Misfit, Number, SIGNIFICANCE_LEVEL, StatedQuantity, chi_squared_tail, evenly_spaced,
@@ -9,6 +11,7 @@ use palpate_statistics::{
 use palpate_study::Warning;
 use palpate_study::config::{GlideEstimatorConfig, LengthUnit};
 
+use super::frame_pair::median;
 use super::glide_options::GlideOptions;
 use super::misfit_warning::ReadingWords;
 use super::source::ReadingSource;
@@ -205,25 +208,49 @@ const MAX_LENGTH_ERROR: f64 = 0.1;
 /// Smallest and largest usual extent (m) of the contacts of a glide.
 const USUAL_EXTENTS: [f64; 2] = [1e-4, 10.0];
 
-/// Text about contacts whose extent is unusual for a stated unit of m, cm or mm; `None` if the extent is usual.
-pub(super) fn extent(contacts: &[Contact], unit: LengthUnit) -> Option<String> {
-    let metres = (unit != LengthUnit::Um).then(|| unit.to(LengthUnit::M))??;
+/// Smallest and largest usual curvature of an object that is clearly not flat, times the extent of the contacts. Other
+/// curvatures occur if one coordinate is in another unit than the others.
+const USUAL_CURVATURES: [f64; 2] = [2e-3, 100.0];
+/// Smallest usual radius of fingertips, relative to the extent of the contacts.
+const MIN_TIP_RADIUS: f64 = 2.5e-3;
+
+/// Text about contacts whose extent is unusual for a stated unit of m, cm or mm, for the radius of the fingertips or for
+/// the estimated curvature. `None` if the extent is usual.
+pub(super) fn extent(
+    contacts: &[Contact],
+    unit: LengthUnit,
+    tip_radius: Option<f64>,
+    curvature: &Curvature,
+) -> Option<String> {
     let first = contacts.first()?.position;
     let distances = contacts.iter().map(|one| (one.position - first).norm());
     let extent = distances.fold(0.0, f64::max);
-    let [least, most] = USUAL_EXTENTS.map(|usual| usual / metres);
-    (extent > 0.0 && !(least..=most).contains(&extent)).then(|| {
-        let (extent, unit) = (Number::rounded(extent), unit.as_str());
-        format!("all contacts are within {extent} {unit} of the first contact: are their positions in {unit}?")
-    })
+    let is_outside = |number: f64, [least, most]: [f64; 2]| number < least || number > most;
+    let metres = unit.to(LengthUnit::M).filter(|_| unit != LengthUnit::Um);
+    let is_unusual = |metres: f64| extent > 0.0 && is_outside(extent * metres, USUAL_EXTENTS);
+    let is_unusual = metres.is_some_and(is_unusual);
+    let mean = curvature.mean.abs();
+    let is_clear = curvature
+        .uncertainty
+        .is_some_and(|one| mean > 10.0 * one.mean_std);
+    let is_mixed = is_clear && is_outside(mean * extent, USUAL_CURVATURES);
+    let tip_radius = tip_radius.filter(|&one| 0.0 < one && one < MIN_TIP_RADIUS * extent);
+    let (extent, unit) = (Number::rounded(extent), unit.as_str());
+    let cause = match tip_radius {
+        _ if is_unusual => format!("are their positions in {unit}?"),
+        Some(radius) => format!("is setting `tip_radius`, {radius}, in {unit} too?"),
+        None if is_mixed => "do x, y and z have the same unit?".to_owned(),
+        None => return None,
+    };
+    Some(format!(
+        "all contacts are within {extent} {unit} of the first contact: {cause}"
+    ))
 }
 
 /// Warnings about likely mistakes in the normals of contacts.
 pub(super) fn normals(contacts: &[Contact]) -> impl Iterator<Item = Warning> {
     let all = || contacts.iter().filter_map(|contact| contact.normal);
-    let mut lengths: Vec<f64> = all().map(|normal| normal.norm()).collect();
-    lengths.sort_by(f64::total_cmp);
-    let middle = lengths.get(lengths.len() / 2).copied();
+    let middle = median(all().map(|normal| normal.norm()));
     let length = middle.filter(|length| (length - 1.0).abs() > MAX_LENGTH_ERROR);
     let length = length.map(|length| {
         format!(

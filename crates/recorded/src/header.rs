@@ -93,10 +93,8 @@ impl<'a> Header<'a> {
 
     /// Name of the file's first column of times; `None` if the file has no column of times.
     pub(super) fn time(&self) -> Option<&'a str> {
-        let mut headings = self.headings.iter();
-        headings
-            .find(|heading| heading.is_time())
-            .map(|heading| heading.name)
+        let time = self.headings.iter().find(|heading| heading.is_time())?;
+        Some(time.name)
     }
 
     /// Value for the setting `columns` that assigns the file's columns `columns` to palpate's columns `others`. The
@@ -203,9 +201,12 @@ impl<'a> Header<'a> {
                 let [first, second] = [first, second].map(|place| self.name(place.index));
                 let twice = format!("column `{}` occurs twice", column.stem());
                 let pair = pair(column.stem(), first);
-                Err(match first == second {
-                    true => format!("{twice}; rename one of them"),
-                    false => format!(
+                Err(match () {
+                    () if first == second => format!("{twice}; rename one of them"),
+                    () if COLUMNS.quaternion.contains(column) => {
+                        format!("{twice}, as `{first}` and as `{second}`; {TWO_ORIENTATIONS}")
+                    }
+                    () => format!(
                         "{twice}, as `{first}` and as `{second}`; state which by setting `columns` '{pair}'"
                     ),
                 })
@@ -330,7 +331,9 @@ impl<'a> Header<'a> {
             groups.filter(|(_, other)| other == name).nth(1).is_some()
         };
         if let Some(name) = names_in_file.clone().find(is_twice) {
-            message += &format!("; column `{name}` occurs twice; rename one of them");
+            message += &format!(
+                "; column `{name}` occurs twice; rename it to `1_{name}`, `2_{name}` and so on"
+            );
         } else if let Some(value) = names_in_file.find(|name| is_value(name)) {
             message += &format!(
                 "; `{value}` contains a number: the first line must name the columns, and the lines below must consist of numbers"
@@ -351,13 +354,20 @@ impl<'a> Header<'a> {
         } else if let [pairs, more @ ..] = &mut groups[..] {
             pairs.extend(self.optional(optional, &mut rest));
             message += &format!("; write {}", setting(pairs));
-            if let [other, ..] = more {
+            if let [other, ..] = more
+                && missing.contains(&COLUMNS.quaternion[0])
+            {
+                message += &format!(" or {}; {TWO_ORIENTATIONS}", setting(other));
+            } else if let [other, ..] = more {
                 message += &format!(" or {}", setting(other));
             }
         } else if let Some(pairs) = only() {
             message += &format!("; write {} if these are the same", setting(&pairs));
         } else {
             message += "; setting `columns` assigns other names";
+            if missing.contains(&COLUMNS.presses[2]) {
+                message += "; normal_displacement is the displacement into the sensor: on a flat pad, the z at rest minus the z of the pressed marker";
+            }
         }
         message
     }
@@ -441,19 +451,16 @@ impl<'a> Header<'a> {
 
     /// Whether the file has a column with the same or a similar name for each of `columns`.
     pub(super) fn offers(&self, columns: &[Column]) -> bool {
-        let places = columns
-            .iter()
-            .map(|column| self.place(column).ok().flatten());
-        let places: Vec<Option<Place>> = places.collect();
-        let missing = columns
-            .iter()
-            .zip(&places)
-            .filter(|(_, place)| place.is_none());
-        let missing: Vec<Column> = missing.map(|(column, _)| *column).collect();
-        let places: Vec<Place> = places.into_iter().flatten().collect();
+        let place = |column: &Column| self.place(column).ok().flatten();
+        let (found, missing): (Vec<Column>, Vec<Column>) =
+            columns.iter().partition(|column| place(column).is_some());
+        let places: Vec<Place> = found.iter().filter_map(place).collect();
         self.proposed(&missing, &mut self.free(&places)).is_some()
     }
 }
+
+/// Remedy for a table with the orientations at the start and at the end of each roll.
+const TWO_ORIENTATIONS: &str = "but if each row has two orientations, write the start and the end of each roll as two rows of a time series (columns probe, time_s, an orientation, contact_u and contact_v)";
 
 /// Palpate's name of a column, and its name in the file.
 type Pair = (String, String);

@@ -10,6 +10,7 @@ use palpate_study::config::LengthUnit;
 use palpate_tracking::{Found, Marker};
 
 use super::camera_file::{CameraEstimate, Residual};
+use super::frame_pair::median;
 use super::nominal_sensor::{NominalSensor, TERMS};
 use palpate_estimators::marker_image;
 
@@ -405,9 +406,7 @@ fn missing_markers(
         let turn = image.as_ref()?.picture[2] - expected.as_ref()?[2];
         Some((turn - (turn + 0.5).floor()).abs())
     });
-    let mut turns: Vec<f64> = turns.collect();
-    turns.sort_by(f64::total_cmp);
-    let median = turns.get(turns.len() / 2).copied().unwrap_or(0.0);
+    let median = median(turns).unwrap_or(0.0);
     if median > MAX_HUE_DIFFERENCE {
         return Err(format!(
             "has markers whose hues differ by {} turns in the median from those of magenta and yellow discs (at most {MAX_HUE_DIFFERENCE}): are colours swapped?",

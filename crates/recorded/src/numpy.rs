@@ -221,13 +221,9 @@ impl<'a> NumpyTable<'a> {
                     names.push(name);
                 }
                 // NumPy names arrays without a name `arr_0`, `arr_1` and so on.
-                let is_numbered = |name: &String| {
-                    let number = name
-                        .strip_prefix("arr_")
-                        .and_then(|rest| rest.split('.').next());
-                    number.is_some_and(|number| number.parse::<u64>().is_ok())
-                };
-                if names.iter().all(is_numbered) {
+                let is_number = |rest: &str| rest.starts_with(|one: char| one.is_ascii_digit());
+                let mut numbers = names.iter().map(|name| name.strip_prefix("arr_"));
+                if numbers.all(|number| number.is_some_and(is_number)) {
                     names.clear();
                 }
                 Ok((table, names))
@@ -259,34 +255,20 @@ impl<'a> NumpyTable<'a> {
                 array.shape_text()
             ));
         }
+        let stride = if array.is_fortran { 1 } else { count };
         for element in 0..count {
-            // Compute the indices of this element in all dimensions after the first. The last index varies fastest.
-            let mut rest = element;
-            let mut indices = vec![0; within.len()];
-            for (index, length) in indices.iter_mut().zip(within).rev() {
-                *index = rest % length;
-                rest /= length;
+            // The indices of this element in all dimensions after the first. The last index varies fastest.
+            let (mut steps, mut place, mut step) = (count, 0, self.rows);
+            let mut suffix = String::new();
+            for length in within {
+                steps /= length;
+                let index = element / steps % length;
+                suffix += &format!(".{index}");
+                place += index * step;
+                step *= length;
             }
-            let (place, stride) = match array.is_fortran {
-                false => (element, count),
-                true => {
-                    let lengths = array.shape.iter();
-                    let steps = lengths.scan(1, |step, length| {
-                        *step *= length;
-                        Some(*step)
-                    });
-                    (
-                        indices
-                            .iter()
-                            .zip(steps)
-                            .map(|(index, step)| index * step)
-                            .sum(),
-                        1,
-                    )
-                }
-            };
+            let place = if array.is_fortran { place } else { element };
             let mut start = place * item;
-            let suffix: String = indices.iter().map(|index| format!(".{index}")).collect();
             for (field, scalar, repeats) in &array.fields {
                 // NumPy aligns fields by unused bytes, which are fields of the type V without a name.
                 if scalar.letter == 'V' {
@@ -294,11 +276,8 @@ impl<'a> NumpyTable<'a> {
                     continue;
                 }
                 for repeat in 0..*repeats {
-                    let of_list = if *repeats > 1 {
-                        format!(".{repeat}")
-                    } else {
-                        String::new()
-                    };
+                    let of_list = Some(format!(".{repeat}")).filter(|_| *repeats > 1);
+                    let of_list = of_list.unwrap_or_default();
                     names.push(format!("{name}{field}{suffix}{of_list}"));
                     self.columns.push(ArrayColumn {
                         array: self.arrays.len(),

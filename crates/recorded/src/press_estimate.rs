@@ -14,8 +14,8 @@ use super::press_options::PressOptions;
 use super::press_recording::PressRecording;
 use super::press_report::{PressReport, Row};
 use super::press_warnings::{
-    indentation_check, left_out, misfit_warning, of_estimate, stated_indentation, swapped_columns,
-    units,
+    common_offset, indentation_check, left_out, misfit_warning, of_estimate, stated_indentation,
+    swapped_columns, units,
 };
 use super::value::Value;
 
@@ -155,7 +155,12 @@ fn of_distinct(
         .collect();
     let left_out = left_out(&wrong, &distances, radius, indentation.is_some());
     let swapped = swapped_columns(&fit, &reading, &estimate, &misfits);
-    let warnings = of_estimate(recorded, options, &estimate, !misfits.is_empty())
+    let has_misfit = !misfits.is_empty();
+    let offset = (has_misfit || !wrong_markers.is_empty())
+        .then(|| common_offset(&fit, &reading, unit))
+        .flatten();
+    let warnings = of_estimate(recorded, options, &estimate, has_misfit)
+        .chain(Warning::of("offset", offset))
         .chain(Warning::of("swapped-columns", swapped))
         .chain(unchecked)
         .chain(assumed.flatten())

@@ -1,7 +1,7 @@
 //! Warnings about recorded presses: values that contradict the settings, and likely mistakes.
 
 use palpate_estimators::large_contact_warning;
-use palpate_press::{ForwardFit, Measured, Misfit, PressError, PressEstimate, Reading};
+use palpate_press::{ForwardFit, Measured, Misfit, PressError, PressEstimate, Prior, Reading};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::config::{Baseline, LengthUnit, PressEstimatorConfig};
@@ -130,6 +130,7 @@ pub(super) fn of_estimate(
     let is_layer = matches!(options.estimator, PressEstimatorConfig::BondedLayer { .. });
     Warning::of("units", units(recorded, options))
         .into_iter()
+        .chain(Warning::of("clipped", clipped(recorded)))
         .chain(Warning::of("unstated-depth", depth))
         .chain(Warning::of("unseen-contact", contact))
         .chain(recorded.source.notes.iter().cloned())
@@ -215,6 +216,52 @@ pub(super) fn units(recorded: &PressRecording, options: &PressOptions) -> Option
         () => return None,
     };
     Some(text)
+}
+
+/// An offset that is common to all markers is reported if it exceeds this number of its standard errors.
+const MIN_OFFSET: f64 = 5.0;
+
+/// Text about an offset of all normal displacements, for readings that a fit without an offset does not explain. `None`
+/// if a fit with an offset does not explain them either.
+pub(super) fn common_offset(
+    fit: &ForwardFit,
+    reading: &Reading<'_>,
+    unit: LengthUnit,
+) -> Option<String> {
+    let free = ForwardFit {
+        baseline: Prior::Free,
+        ..fit.clone()
+    };
+    let estimate = free.estimate(reading).ok()?;
+    let offset = estimate.baseline?;
+    let is_explained = free.misfits(reading, &estimate).ok()?.is_empty();
+    let is_explained = is_explained && estimate.wrong_markers.is_empty();
+    (is_explained && offset.value.abs() > MIN_OFFSET * offset.std).then(|| {
+        format!(
+            "the normal displacements have a common offset of {} {}; setting `baseline` fitted estimates it together with the curvature",
+            Number::rounded(offset.value),
+            unit.as_str()
+        )
+    })
+}
+
+/// Smallest number of markers with the same largest displacement that causes a warning.
+const MIN_CLIPPED: usize = 4;
+
+/// Text about several markers with exactly the largest displacement; `None` if the displacements are distinct, or if they
+/// are rounded, so that smaller displacements are equal too.
+fn clipped(recorded: &PressRecording) -> Option<String> {
+    let mut normal = recorded.normal.clone();
+    normal.sort_by(f64::total_cmp);
+    let mut groups = normal.chunk_by(PartialEq::eq).rev();
+    let largest = groups.next()?;
+    let others = groups.take(3).map(<[f64]>::len).max()?;
+    let (count, all, value) = (largest.len(), normal.len(), Number(largest[0]));
+    (value.0 > 0.0 && count >= MIN_CLIPPED && count > 2 * others).then(|| {
+        format!(
+            "{count} of {all} markers have exactly the largest normal displacement, {value}: does the sensor measure no larger ones? If so, leave these markers out of the file"
+        )
+    })
 }
 
 /// A warning is shown if swapped columns or reversed signs decrease the mean square residual of the fit by more than

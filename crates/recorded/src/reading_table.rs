@@ -350,10 +350,8 @@ fn length_unit(
     places: &[Place],
     option: Option<LengthUnit>,
 ) -> Result<Option<LengthUnit>, String> {
-    let lengths = columns
-        .iter()
-        .zip(places)
-        .filter(|(column, _)| column.measure == Measure::Length);
+    let mut lengths: Vec<_> = columns.iter().zip(places).collect();
+    lengths.retain(|(column, _)| column.measure == Measure::Length);
     let mut stated: Vec<ColumnUnit> = Vec::new();
     let mut bare: Option<(&Column, &Place)> = None;
     for (column, place) in lengths {
@@ -499,10 +497,8 @@ impl ExtraColumns {
     pub(super) fn row(&self, row: usize) -> Vec<String> {
         let first = row * self.names.len();
         let ends = self.ends.iter().skip(first).take(self.names.len());
-        let before = first
-            .checked_sub(1)
-            .and_then(|before| self.ends.get(before));
-        let mut start = before.copied().unwrap_or_default();
+        let before = first.checked_sub(1).map(|before| self.ends[before]);
+        let mut start = before.unwrap_or_default();
         let field = |end: &usize| self.text[std::mem::replace(&mut start, *end)..*end].to_owned();
         ends.map(field).collect()
     }

@@ -44,7 +44,12 @@ pub(super) fn names_by_order(
     let names = |order: &&[Column]| order.iter().map(|column| column.name).collect::<Vec<_>>();
     let required = orders.first().filter(|order| start + order.len() <= count);
     let later = required.filter(|_| orders.last().is_some_and(|order| has_label(&order)));
-    let later = later.map(|order| [vec![""; start], names(order)].concat());
+    // Rows of twelve numbers are probably 3 x 4 matrices, as in poses of the KITTI data set.
+    let poses = ["", "", "", "x", "", "", "", "y", "", "", "", "z"];
+    let later = later.map(|order| match count {
+        12 => poses.to_vec(),
+        _ => [vec![""; start], names(order)].concat(),
+    });
     Err(without_names(count, same.map(names).or(later).as_slice()))
 }
 
@@ -108,13 +113,7 @@ pub(super) fn of_rostopic(header: &[String], columns: &[Column]) -> Option<(Vec<
 pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
     let is_quaternion =
         |start: &[String]| quaternion_part(&format!("{}_x", start.join("_"))).is_some();
-    let places = list(
-        header,
-        is_quaternion,
-        &[|place| place.to_string(), |place| (place + 1).to_string()],
-        4,
-    )?;
-    places.try_into().ok()
+    list(header, is_quaternion, [1, 4])?.try_into().ok()
 }
 
 /// Header of a table with a rotation matrix. The names of the matrix's elements in the file (for example `R_0_0` to
@@ -122,12 +121,6 @@ pub(super) fn numbered_quaternion(header: &[String]) -> Option<[usize; 4]> {
 pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     const NAMES: &str = "r m t rot mat rotm rotmat dcm rotation rotations matrix orientation";
     let is_matrix = |start: &[String]| start.last().is_some_and(|last| is_one_of(NAMES, last));
-    let numbers: [fn(usize) -> String; 4] = [
-        |place| format!("{}{}", place / 3, place % 3),
-        |place| format!("{}{}", place / 3 + 1, place % 3 + 1),
-        |place| place.to_string(),
-        |place| (place + 1).to_string(),
-    ];
     // In the names `rxx` to `rzz`, the letters x, y, z stand for the indices 1, 2, 3.
     let numbered = |name: &String| {
         let (start, is_axis) = (name.len().saturating_sub(2), |one| "xyzXYZ".contains(one));
@@ -139,7 +132,7 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
     };
     let named: Vec<String> = header.iter().map(numbered).collect();
     let mut header = header.to_vec();
-    for (place, column) in list(&named, is_matrix, &numbers, 9)?
+    for (place, column) in list(&named, is_matrix, [3, 3])?
         .into_iter()
         .zip(COLUMNS.matrix)
     {
@@ -151,13 +144,7 @@ pub(super) fn of_matrix(header: &[String]) -> Option<Vec<String>> {
 /// Indices of the columns of a 4 x 4 matrix, in the order of the numbers in their names. `None` if there is no such
 /// matrix.
 pub(super) fn transform(header: &[String]) -> Option<Vec<usize>> {
-    let numbers: [fn(usize) -> String; 4] = [
-        |place| format!("{}{}", place / 4, place % 4),
-        |place| format!("{}{}", place / 4 + 1, place % 4 + 1),
-        |place| place.to_string(),
-        |place| (place + 1).to_string(),
-    ];
-    list(header, |_| true, &numbers, 16)
+    list(header, |_| true, [4, 4])
 }
 
 /// Header of a table in which the user assigned names such as `finger1_x` to columns. The names get the units of the
@@ -178,13 +165,13 @@ pub(super) fn assigned(header: &[String], names: &BTreeMap<String, String>) -> V
     header.iter().map(name).collect()
 }
 
-/// Indices of the `count` columns that contain the elements of one list, such as a matrix. Their names begin with the
-/// same words and end with the number of the element. `numbers` contains the possible forms of this number.
+/// Indices of the columns that contain the elements of one matrix with the given numbers of rows and columns. Their
+/// names begin with the same words. They end with the numbers of the element's row and column, or with the number of the
+/// element. All numbers are counted from 0 or from 1.
 fn list(
     header: &[String],
     is_start: impl Fn(&[String]) -> bool,
-    numbers: &[fn(usize) -> String],
-    count: usize,
+    [rows, columns]: [usize; 2],
 ) -> Option<Vec<usize>> {
     let names = header.iter().map(|name| numbered(name));
     let names: Vec<(Vec<String>, String)> = names
@@ -199,12 +186,18 @@ fn list(
         .iter()
         .filter(|(start, numbers)| is_start(start) && !numbers.is_empty());
     starts.find_map(|(start, _)| {
-        let of = |number: &fn(usize) -> String| {
-            (0..count)
+        let of = |(has_row, first): (bool, usize)| {
+            let number = |element: usize| match has_row {
+                true => format!("{}{}", element / columns + first, element % columns + first),
+                false => (element + first).to_string(),
+            };
+            let elements = 0..rows * columns;
+            elements
                 .map(|element| place(start, number(element)))
                 .collect()
         };
-        numbers.iter().find_map(of)
+        let mut forms = [(true, 0), (true, 1), (false, 0), (false, 1)].into_iter();
+        forms.find_map(of)
     })
 }
 
@@ -259,10 +252,8 @@ fn wide_of(
     if label.measure != Measure::Plain {
         return None;
     }
-    let columns: Vec<&Column> = columns
-        .iter()
-        .filter(|column| column.measure != Measure::Time)
-        .collect();
+    let is_time = |column: &&Column| column.measure == Measure::Time;
+    let columns: Vec<&Column> = columns.iter().filter(|column| !is_time(column)).collect();
     let mut groups: Vec<(String, Vec<Option<usize>>)> = Vec::new();
     let mut units: Vec<Option<String>> = vec![None; columns.len()];
     let (mut shared, mut others) = (Vec::new(), Vec::new());
@@ -336,11 +327,8 @@ fn wide_of(
         }
     });
     let others = shared.iter().map(|&index| header[index].clone());
-    let header = [label.name.to_owned()]
-        .into_iter()
-        .chain(named)
-        .chain(others)
-        .collect();
+    let header = [label.name.to_owned()].into_iter().chain(named);
+    let header = header.chain(others).collect();
     let is_wide = used.len() > 1 && groups.len() > 1;
     Some(Ok(is_wide.then_some(Wide {
         groups,
@@ -420,11 +408,8 @@ fn of_finger(
     let is_named = identifiers > 0 && (identifiers == 1 || !is_center);
     let is_finger =
         (words.is_empty() || is_named) && numbers <= 1 && others + identifiers == words.len();
-    let other: Vec<&str> = words
-        .iter()
-        .filter(|word| !is_other(word))
-        .map(String::as_str)
-        .collect();
+    let other = words.iter().filter(|word| !is_other(word));
+    let other: Vec<&str> = other.map(String::as_str).collect();
     let may_be_finger =
         identifiers == 0 && !other.is_empty() && (fingers != FINGERS || may_be_position(&other));
     words.retain(|word| !is_one_of("position pos point contact field", word));

@@ -303,12 +303,9 @@ impl<'a> TextTable<'a> {
         let Some((_, wide)) = &self.wide else {
             return self.note.clone();
         };
-        let names: Vec<&str> = wide
-            .groups
-            .iter()
-            .map(|group| group.name.as_str())
-            .collect();
-        let (label, names) = (&self.header[0], names.join(", "));
+        let names = wide.groups.iter().map(|group| group.name.as_str());
+        let names = names.collect::<Vec<_>>().join(", ");
+        let label = &self.header[0];
         Some(format!(
             "each row holds the columns of several values of `{label}`: {names}"
         ))

@@ -221,6 +221,8 @@ subjects! {
         "assumed-side": "The contacts have no normals, so the outer side of the object is assumed. The sign of the curvature depends on this assumption. For a single stroke, the magnitude of the curvature also depends on it. State the outer side with `--outward`, or record normals.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";
+        "offset": "Warning about presses: an offset that is common to all normal displacements explains the readings better. Use `--baseline fitted`.";
+        "clipped": "Warning about presses: several markers have exactly the largest displacement. Perhaps the sensor measures no larger ones.";
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";
         "lone-marker": "Only one marker shows the contact.";
         "unseen-contact": "Only the stated indentation indicates a contact; the displacements do not show one.";

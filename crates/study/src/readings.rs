@@ -204,79 +204,53 @@ pub struct ReadingColumns {
     pub press_row: [Column; 2],
 }
 
+/// Columns of one physical quantity.
+const fn columns<const N: usize>(names: [&'static str; N], measure: Measure) -> [Column; N] {
+    let mut columns = [PROBE; N];
+    let mut place = 0;
+    while place < N {
+        columns[place] = Column::of(names[place], measure);
+        place += 1;
+    }
+    columns
+}
+
+const PROBE: Column = Column::of("probe", Measure::Plain);
+const FINGER: Column = Column::of("finger", Measure::Plain);
+const TIME: Column = Column::of("t_s", Measure::Time);
+const ANGLE: Column = Column::of("angle_rad", Measure::Angle);
+const DISPLACEMENT: Column = Column::of("normal_displacement", Measure::Length);
+const TURNS: [Column; 3] = columns(
+    ["rotation_x_rad", "rotation_y_rad", "rotation_z_rad"],
+    Measure::Angle,
+);
+const SHIFTS: [Column; 2] = columns(["shift_u", "shift_v"], Measure::Length);
+const PADS: [Column; 2] = columns(["pad_u", "pad_v"], Measure::Length);
+const PLACES: [Column; 3] = columns(["x", "y", "z"], Measure::Length);
+const NORMALS: [Column; 3] = columns(["normal_x", "normal_y", "normal_z"], Measure::Plain);
+const ALONG: [Column; 2] = columns(["tangential_x", "tangential_y"], Measure::Length);
+const AXIS: [Column; 3] = columns(["axis_x", "axis_y", "axis_z"], Measure::Plain);
+
 /// The columns of all tables of readings.
 pub const COLUMNS: ReadingColumns = ReadingColumns {
-    rolls: [
-        Column::of("probe", Measure::Plain),
-        Column::of("rotation_x_rad", Measure::Angle),
-        Column::of("rotation_y_rad", Measure::Angle),
-        Column::of("shift_u", Measure::Length),
-        Column::of("shift_v", Measure::Length),
-    ],
-    quaternion: [
-        Column::of("qx", Measure::Plain),
-        Column::of("qy", Measure::Plain),
-        Column::of("qz", Measure::Plain),
-        Column::of("qw", Measure::Plain),
-    ],
-    matrix: [
-        Column::of("r11", Measure::Plain),
-        Column::of("r12", Measure::Plain),
-        Column::of("r13", Measure::Plain),
-        Column::of("r21", Measure::Plain),
-        Column::of("r22", Measure::Plain),
-        Column::of("r23", Measure::Plain),
-        Column::of("r31", Measure::Plain),
-        Column::of("r32", Measure::Plain),
-        Column::of("r33", Measure::Plain),
-    ],
-    axis_angle: [
-        Column::of("axis_x", Measure::Plain),
-        Column::of("axis_y", Measure::Plain),
-        Column::of("axis_z", Measure::Plain),
-        Column::of("angle_rad", Measure::Angle),
-    ],
-    rotation_vector: [
-        Column::of("rotation_x_rad", Measure::Angle),
-        Column::of("rotation_y_rad", Measure::Angle),
-        Column::of("rotation_z_rad", Measure::Angle),
-    ],
-    contacts: [
-        Column::of("contact_u", Measure::Length),
-        Column::of("contact_v", Measure::Length),
-    ],
-    roll_starts: [
-        Column::of("start_u", Measure::Length),
-        Column::of("start_v", Measure::Length),
-    ],
-    roll_series: [
-        Column::of("probe", Measure::Plain),
-        Column::of("t_s", Measure::Time),
-        Column::of("rotation_x_rad", Measure::Angle),
-        Column::of("rotation_y_rad", Measure::Angle),
-        Column::of("pad_u", Measure::Length),
-        Column::of("pad_v", Measure::Length),
-    ],
+    rolls: [PROBE, TURNS[0], TURNS[1], SHIFTS[0], SHIFTS[1]],
+    quaternion: columns(["qx", "qy", "qz", "qw"], Measure::Plain),
+    matrix: columns(
+        [
+            "r11", "r12", "r13", "r21", "r22", "r23", "r31", "r32", "r33",
+        ],
+        Measure::Plain,
+    ),
+    axis_angle: [AXIS[0], AXIS[1], AXIS[2], ANGLE],
+    rotation_vector: TURNS,
+    contacts: columns(["contact_u", "contact_v"], Measure::Length),
+    roll_starts: columns(["start_u", "start_v"], Measure::Length),
+    roll_series: [PROBE, TIME, TURNS[0], TURNS[1], PADS[0], PADS[1]],
     glides: [
-        Column::of("finger", Measure::Plain),
-        Column::of("x", Measure::Length),
-        Column::of("y", Measure::Length),
-        Column::of("z", Measure::Length),
-        Column::of("normal_x", Measure::Plain),
-        Column::of("normal_y", Measure::Plain),
-        Column::of("normal_z", Measure::Plain),
+        FINGER, PLACES[0], PLACES[1], PLACES[2], NORMALS[0], NORMALS[1], NORMALS[2],
     ],
-    presses: [
-        Column::of("x", Measure::Length),
-        Column::of("y", Measure::Length),
-        Column::of("normal_displacement", Measure::Length),
-        Column::of("tangential_x", Measure::Length),
-        Column::of("tangential_y", Measure::Length),
-    ],
-    press_row: [
-        Column::of("radial_position", Measure::Length),
-        Column::of("normal_displacement", Measure::Length),
-    ],
+    presses: [PLACES[0], PLACES[1], DISPLACEMENT, ALONG[0], ALONG[1]],
+    press_row: [Column::of("radial_position", Measure::Length), DISPLACEMENT],
 };
 
 /// The column of `quaternion` in [`COLUMNS`] to which `name` refers, such as `qx`, `quat_x` or `pose_orientation_x`;

@@ -197,6 +197,7 @@ probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm\n | - | :1 | no colu
 probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v\n0,1,0,0,0,0\n1,9,0,0,0,0\n0,1,0,-0.5,4,0\n | - | :4 | must increase, but 1 s follows 1 s
  \n | - | - | is empty
 probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n | - | - | no readings
+probe,q0x,q0y,q0z,q0w,q1x,q1y,q1z,q1w,shift_u,shift_v\n | - | :1 | as two rows of a time series
 probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,4,0\n | - | - | 1 probe(s)
 probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,0,0,0\n1,0,0,0,0\n | - | - | do not span
 probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,-4,0\n1,0.5,0,0,4\n | - | - | not a rolling contact
@@ -211,7 +212,7 @@ probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n0,0,-0.5,0,0\n1,0.5,0,0,4\n
 {"a.b": 1, "a": {"b": 2}}\n | - | :1 | the file has `a.b`, `a.b`
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1}\n{"shift_u":1}\n | - | - | 1 probe(s)
 {"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":true}\n | - | :1 | `true` is not a number
-{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | out of range
+{"rotation_x_rad":1,"rotation_y_rad":1,"shift_u":1,"shift_v":1e999}\n | - | :1 | must be finite
 "#;
 /// Tables with semicolons as delimiters that contain a wrong number. Each row has the format of `refuses`.
 const DECIMALS: &str = r#"
@@ -225,6 +226,8 @@ finger,x_mm,y_mm\n0,1,2 | - | :1 | no column `z`
 finger,x,y,z,normal_x,normal_y\n0,1,2,3,0,0\n | - | :1 | no column `normal_z`
 Test 5, ball\nDate;2026\nx,y,z\n0,1,2\n | - | :1 | line 3 names columns: write # before the lines above it
 x,y,z\nwidth,depth,height\n0,1,2\n | - | :2 | write # before a line without numbers
+x_mm,y_mm,z_mm\nx_mm,y_mm,z_mm \n0,1,2\n | - | - | 1 contact(s) give 1 equation(s)
+1,0,0,2,0,1,0,3,0,0,1,4\n1,0,0,5,0,1,0,6,0,0,1,7\n | - | :1 | 'x=3,y=7,z=11'
 t,x,y,z,x.1,y.1\n0,1,2,3,4,5\n | - | :1 | finger `1` has no column `z`, but finger `0` has one
 finger,x,y,z\n0,,1,2\n1,-,NA,nan\n | - | :2 | column `x`: `` is no number
 finger,x,y,z\n0.5,1,2,3\n | - | :2 | column `finger`: must be a whole number
@@ -234,6 +237,7 @@ finger,x,y,z\n0,1,1,1\n0,2,2,2\n0,3,3,3\n0,4,4,4\n0,5,5,5\n0,6,6,6\n | - | - | o
 
 const NO_PRESSES: &str = r#"
 x_mm,normal_displacement_mm\n0,1\n | - | :1 | no column `y`
+x0,y0,z0,x1,y1,z1\n0,1,2,3,4,5\n | - | :1 | the z at rest minus the z of the pressed marker
 x,y,normal_displacement,tangential_x\n0,1,2,3\n | - | :1 | no column `tangential_y`
 x0,y0,un,ux,uy\n0,1,2,3,4\n | - | :1 | 'x=x0,y=y0,normal_displacement=un,tangential_x=ux,tangential_y=uy'
 radial_position,normal_displacement,y,x\n0,1,2,3\n | - | :1 | both places x, y and radial_position

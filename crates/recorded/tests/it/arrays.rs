@@ -154,32 +154,34 @@ fn sensors_of_large_radius_are_pressed() {
                 indentation,
                 ..PressOptions::new(radius)
             };
-            let report = estimate_press(&readings, &options);
-            let report = report.unwrap_or_else(|error| panic!("{radius} {indentation:?}: {error}"));
-            let report = serde_json::to_value(report).unwrap();
-            let ends = [0, 1].map(|end| report["object_curvature"]["interval95"][end].as_f64());
-            let [Some(low), Some(high)] = ends else {
-                panic!("{report}");
-            };
-            assert!(
-                (low..=high).contains(&(0.25 - 1.0 / radius)),
-                "{radius} {indentation:?}: {low} {high}"
-            );
-            assert!(high - low < 0.1, "{radius}: {low} {high}");
+            let report = estimate_press(&readings, &options).unwrap();
+            let interval = &serde_json::to_value(report).unwrap()["object_curvature"]["interval95"];
+            let [low, high] = [0, 1].map(|end| interval[end].as_f64().unwrap());
+            let is_within = (low..=high).contains(&(0.25 - 1.0 / radius));
+            assert!(is_within && high - low < 0.1, "{options:?}: {interval}");
         }
     }
-    // Displacements that are too small by a factor of 1000 cause a warning.
-    let small = include_str!("../data/press-flat-pad-ball4.csv").replace("ment_mm", "ment_um");
-    let mut small = RecordedFile::new("pad.csv", small.into_bytes());
-    small.form.length_unit = MM;
-    let small = PressRecording::try_from(small).unwrap();
-    let options = PressOptions::new(f64::INFINITY);
-    let report = serde_json::to_value(estimate_press(&small, &options).unwrap()).unwrap();
-    let said = report["warnings"].to_string();
-    assert!(
-        said.contains("the displacements in m and the rest in mm"),
-        "{said}"
-    );
+    // Wrong displacements cause a warning that names the mistake.
+    let text = include_str!("../data/press-flat-pad-ball4.csv");
+    let rows = text.lines().skip(1);
+    let numbers = rows
+        .flat_map(|row| row.split(','))
+        .map(|one| one.parse().unwrap());
+    let numbers: Vec<f64> = numbers.collect();
+    let rows = numbers.as_chunks::<3>().0;
+    let places: Vec<[f64; 2]> = rows.iter().map(|[x, y, _]| [*x, *y]).collect();
+    let changes: [(fn(f64) -> f64, &str); 3] = [
+        (|one| 1e-3 * one, "displacements in m"),
+        (|one| one + 0.02, "a common offset of 0.0"),
+        (|one| one.min(0.3), "the largest normal displacement, 0.3"),
+    ];
+    for (change, words) in changes {
+        let normal: Vec<f64> = rows.iter().map(|row| change(row[2])).collect();
+        let readings = PressRecording::new(&places, &normal, None, MM).unwrap();
+        let report = estimate_press(&readings, &PressOptions::new(f64::INFINITY)).unwrap();
+        let said = serde_json::to_string(&report).unwrap();
+        assert!(said.contains(words), "{said}");
+    }
 }
 
 /// A layer is fitted to a press of a half-space. Its fit rejects the markers at the contact as outliers, so only the
@@ -208,9 +210,7 @@ fn intervals_from_many_markers_are_as_wide_as_their_noise() {
     let mut noise = Stream::new(46, 0, Channel::Position);
     let (radius, depth) = (10.0, 0.1_f64);
     let contact = (radius * depth).sqrt();
-    for count in [
-        2_000, 30_000, 30_001, 30_002, 30_003, 30_004, 30_005, 30_006,
-    ] {
+    for count in [2_000, 30_000, 30_001, 30_002, 30_003, 30_004] {
         let mut places = Vec::new();
         let mut normal = Vec::new();
         for _ in 0..count {
