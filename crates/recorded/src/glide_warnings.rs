@@ -227,8 +227,8 @@ pub(super) fn extent(
     let extent = distances.fold(0.0, f64::max);
     let is_outside = |number: f64, [least, most]: [f64; 2]| number < least || number > most;
     let metres = unit.to(LengthUnit::M).filter(|_| unit != LengthUnit::Um);
-    let is_unusual = |metres: f64| extent > 0.0 && is_outside(extent * metres, USUAL_EXTENTS);
-    let is_unusual = metres.is_some_and(is_unusual);
+    let is_unusual = metres.is_some_and(|metres| is_outside(extent * metres, USUAL_EXTENTS));
+    let is_unusual = is_unusual && extent > 0.0;
     let mean = curvature.mean.abs();
     let is_clear = curvature
         .uncertainty

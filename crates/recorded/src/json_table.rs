@@ -19,17 +19,18 @@ use super::text_table::{Record, RowResult, Text};
 
 /// Maximum number of columns of a table; a row may lack some of these columns.
 const MAX_KEYS: usize = 1_000;
-
 /// Maximum number of fingers whose readings are side by side in a row without a time. A longer list is a series of
 /// readings.
 pub(super) const MAX_FINGERS: usize = 5;
-
+/// Maximum number of lists and objects within each other. More of them would overflow the stack.
+const MAX_DEPTH: isize = 100;
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
 
 /// Names and values of a row or of an object, in the order of the file.
 type Members<'a> = Vec<(Cow<'a, str>, &'a RawValue)>;
-
+/// Names and texts of single values.
+type Texts<'a> = Vec<(String, Cow<'a, str>)>;
 /// Names and values of columns.
 type Columns<'a> = Vec<(Cow<'a, str>, Vec<&'a RawValue>)>;
 
@@ -49,7 +50,7 @@ pub(super) struct JsonTable<'a> {
     rows: Rows<'a>,
     /// Single values of the object that contains the rows. They belong to every row. Each value has its path in the
     /// object as its name, such as `meta.tip_radius`.
-    shared: Vec<(String, Cow<'a, str>)>,
+    shared: Texts<'a>,
     names: Vec<String>,
     header_line: usize,
 }
@@ -69,6 +70,15 @@ impl<'a> JsonTable<'a> {
             names: Vec::new(),
             header_line,
         };
+        let mut depth = 0_isize;
+        let is_deep = text.all.bytes().any(|byte| {
+            depth += isize::from(matches!(byte, b'[' | b'{'));
+            depth -= isize::from(matches!(byte, b']' | b'}'));
+            depth > MAX_DEPTH
+        });
+        if is_deep {
+            return Err(file.error(format!("is nested by more than {MAX_DEPTH} levels")));
+        }
         match serde_json::from_str(text.all) {
             Ok(Object(members)) => table.read_object(file, text, members)?,
             Err(_) => table.rows = sequence(file, text, None)?,
@@ -126,9 +136,7 @@ impl<'a> JsonTable<'a> {
         mut members: Members<'a>,
     ) -> RowResult {
         if let Some(key) = repeated(members.iter().map(|(key, _)| &**key)) {
-            let value = members.iter().rfind(|(name, _)| name == key);
-            let line = value.map_or(text.line, |(_, value)| text.from(value.get()).line);
-            return Err(file.fail(line, twice(key)));
+            return Err(file.fail(text.line, twice(key)));
         }
         let member = |name: &str| {
             let mut members = members.iter();
@@ -175,10 +183,7 @@ impl<'a> JsonTable<'a> {
                     members.retain(|(name, _)| columns.iter().all(|column| column.0 != *name));
                     Rows::Columns(columns)
                 }
-                None => {
-                    self.rows = sequence(file, text, None)?;
-                    return Ok(());
-                }
+                None => sequence(file, text, None)?,
             },
             [(_, rows)] => sequence(file, within(rows.get()), None)?,
             [(one, _), (other, _), ..] => {
@@ -374,7 +379,7 @@ fn has_series(row: &Members<'_>, is_list: bool) -> bool {
 }
 
 /// Collects the single values in `value`, that is, the values that are neither lists nor parts of lists.
-fn shared_values<'a>(path: &str, value: &'a RawValue, shared: &mut Vec<(String, Cow<'a, str>)>) {
+fn shared_values<'a>(path: &str, value: &'a RawValue, shared: &mut Texts<'a>) {
     if let Some(text) = plain(value) {
         shared.push((path.to_owned(), text));
     } else if !is_list(value.get()) {
@@ -526,14 +531,9 @@ fn no_json(file: &RecordedFile, line: usize, error: &serde_json::Error) -> Recor
     let line = line + error.line().saturating_sub(1);
     let message = error.to_string();
     let message = message.split(" at line ").next().unwrap_or_default();
-    let place = match error.column() {
-        0 => String::new(),
-        column => format!(" (character {column})"),
-    };
-    file.fail(
-        line,
-        format!("is no JSON object: {message}{place}; {NEEDED}"),
-    )
+    let column = error.column();
+    let message = format!("is no JSON object: {message} (character {column}); {NEEDED}");
+    file.fail(line, message)
 }
 
 /// Names and texts of all single values in a row. Returns an error if an object has a key twice.
@@ -541,7 +541,7 @@ fn values<'r>(
     file: &RecordedFile,
     line: usize,
     row: &Members<'r>,
-) -> Result<Vec<(String, Cow<'r, str>)>, RecordedError> {
+) -> Result<Texts<'r>, RecordedError> {
     let mut values = Vec::new();
     if let Some(key) = repeated_key(row) {
         return Err(file.fail(line, twice(&key)));

@@ -264,11 +264,8 @@ fn invalid_tables_are_refused_with_the_line() {
         );
     }
     let deep = format!("{{\"a\":{}1{}}}\n", "[".repeat(200), "]".repeat(200));
-    assert!(
-        roll(deep, Form::default())
-            .unwrap_err()
-            .contains("recursion limit")
-    );
+    let error = roll(deep, Form::default()).unwrap_err();
+    assert!(error.contains("more than 100 levels"), "{error}");
     let wide: Vec<String> = (0..1001).map(|key| format!("\"{key}\":0")).collect();
     let error = roll(format!("{{{}}}\n", wide.join(",")), Form::default()).unwrap_err();
     assert!(error.contains("1001 columns; at most 1000"), "{error}");

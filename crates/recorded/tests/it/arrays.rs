@@ -170,13 +170,13 @@ fn sensors_of_large_radius_are_pressed() {
     let numbers: Vec<f64> = numbers.collect();
     let rows = numbers.as_chunks::<3>().0;
     let places: Vec<[f64; 2]> = rows.iter().map(|[x, y, _]| [*x, *y]).collect();
-    let changes: [(fn(f64) -> f64, &str); 3] = [
-        (|one| 1e-3 * one, "displacements in m"),
-        (|one| one + 0.02, "a common offset of 0.0"),
-        (|one| one.min(0.3), "the largest normal displacement, 0.3"),
-    ];
-    for (change, words) in changes {
-        let normal: Vec<f64> = rows.iter().map(|row| change(row[2])).collect();
+    for (factor, offset, most, words) in [
+        (1e-3, 0.0, 1.0, "displacements in m"),
+        (1.0, 0.02, 1.0, "a common offset of 0.0"),
+        (1.0, 0.0, 0.3, "the largest normal displacement, 0.3"),
+    ] {
+        let change = |[_, _, normal]: &[f64; 3]| (factor * normal + offset).min(most);
+        let normal: Vec<f64> = rows.iter().map(change).collect();
         let readings = PressRecording::new(&places, &normal, None, MM).unwrap();
         let report = estimate_press(&readings, &PressOptions::new(f64::INFINITY)).unwrap();
         let said = serde_json::to_string(&report).unwrap();
