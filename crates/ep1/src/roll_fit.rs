@@ -12,8 +12,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix4, SMatrix, SVector, Vector2, Vector4};
 
 use crate::crossings::Crossing;
 use crate::rolled_path::{
-    LocalShape, MAX_COEFFICIENTS, PathPoint, RollRotations, StartFrame, by_coefficients,
-    coefficients, drive_of,
+    LocalShape, MAX_COEFFICIENTS, PathPoint, RollRotations, StartFrame, by_coefficients, drive_of,
 };
 
 use estimated_noise::SharedError;
@@ -114,27 +113,8 @@ pub(crate) struct RollFit<const N: usize> {
 }
 
 impl FitNoise {
-    /// Adds a prior for the coefficients of a shape with three terms. The coefficients of the first `terms` terms have
-    /// no prior. The prior of the tensor T_m is normal with mean 0 and standard deviation m k^(m−1), where k is the
-    /// largest principal curvature `curvature`. For comparison, T₄ along a line through the apex of a paraboloid is −3
-    /// k³. The weights of the prior are multiplied by `variance`. If `estimated` is given, its noise replaces the noise
-    /// of `self`, and the fit does not estimate the noise again.
-    pub(crate) fn with_prior(
-        mut self,
-        terms: usize,
-        curvature: f64,
-        variance: f64,
-        estimated: Option<EstimatedNoise>,
-    ) -> Self {
-        for term in terms..3 {
-            let std = (term + 2) as f64 * curvature.powi(term as i32 + 1);
-            let mut weight = variance / (std * std).max(f64::EPSILON);
-            // With binomial coefficients as weights, the prior does not depend on the directions of the axes.
-            for j in 0..=term + 2 {
-                self.prior[coefficients(term) + j] = weight;
-                weight *= (term + 2 - j) as f64 / (j + 1) as f64;
-            }
-        }
+    /// If `estimated` is given, its noise replaces the noise of `self`, and the fit does not estimate the noise again.
+    pub(crate) fn with_estimated(mut self, estimated: Option<EstimatedNoise>) -> Self {
         if let Some(estimated) = estimated {
             self.contact_std = estimated.variance.sqrt();
             self.relative_roll_std = estimated.shared.sqrt();
@@ -498,7 +478,9 @@ pub(crate) fn slopes_at<const N: usize>(
 
 /// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if the matrix is singular within rounding
 /// errors.
-fn inverse_of<const N: usize>(information: &SMatrix<f64, N, N>) -> Option<SMatrix<f64, N, N>> {
+pub(crate) fn inverse_of<const N: usize>(
+    information: &SMatrix<f64, N, N>,
+) -> Option<SMatrix<f64, N, N>> {
     let scale = information.diagonal().map(|entry| 1.0 / entry.sqrt());
     let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
         information[(row, column)] * scale[row] * scale[column]

@@ -62,14 +62,9 @@ impl LocalShape {
         Matrix2::new(1.0 + uu, uv, uv, 1.0 + vv)
     }
 
-    /// Effect of the last term of the polynomial: the change of the curvature form at `x` that this term causes,
-    /// divided by the sum of the curvature forms of both bodies at the start. If the second-to-last term causes a
-    /// larger change, the result is computed from that change.
-    pub(crate) fn last_share(&self, x: &Vector2<f64>) -> f64 {
-        let without = |terms| Self { terms, ..*self }.drive(x).1;
-        let all: Vec<_> = (self.terms - 2..=self.terms).map(without).collect();
-        let change = (all[2] - all[1]).norm().max((all[1] - all[0]).norm());
-        change / self.relative().norm()
+    /// Change of the curvature form from the start of the rolls to `x`, in units of the probe's curvature.
+    pub(crate) fn change(&self, x: &Vector2<f64>) -> f64 {
+        (self.drive(x).1 - self.relative()).norm()
     }
 
     /// Derivatives of the drive (rotation vector, turned by 90°) at the contact position `x` with respect to the

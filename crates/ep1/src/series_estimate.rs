@@ -159,14 +159,6 @@ impl SeriesEstimate {
         Matrix3::from_fn(|row, at| self.covariance[row][at])
     }
 
-    /// The squared distance between the curvatures of two estimates, in standard errors of `other`; 0 if the covariance
-    /// of `other` is singular.
-    pub(crate) fn distance_squared(&self, other: &Self) -> f64 {
-        let apart = self.entries() - other.entries();
-        let root = other.covariance_matrix().cholesky();
-        root.map_or(0.0, |root| apart.dot(&root.solve(&apart)))
-    }
-
     /// Adds the covariance `apart apartᵀ` of one more error to the covariance of the entries `k_uu`, `k_vv` and `k_uv`
     /// of the curvature form. `apart` contains the size of this error in each entry.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {

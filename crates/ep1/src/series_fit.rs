@@ -1,5 +1,7 @@
 //! Estimates curvature from time series of rolls.
 
+mod trajectory;
+
 use nalgebra::{Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
@@ -80,16 +82,6 @@ struct Problem<'r> {
     reports: Vec<RollReport>,
 }
 
-/// A fit of a polynomial shape with a given number of terms.
-struct Candidate {
-    criterion: f64,
-    shape: LocalShape,
-    noise: Option<EstimatedNoise>,
-    estimate: SeriesEstimate,
-    /// The roll that contradicts the other rolls most; `None` if no contradiction is significant.
-    worst: Option<usize>,
-}
-
 impl Problem<'_> {
     fn estimate(&mut self) -> Result<SeriesEstimate, SeriesError> {
         let is_exact = self.has_exact_pads();
@@ -144,7 +136,7 @@ impl Problem<'_> {
                 return Err(undetermined(rolls));
             }
             let (found, worst) = match self.method {
-                SeriesMethod::Trajectory => self.trajectory(&data, &noise, first),
+                SeriesMethod::Trajectory => self.trajectory(&data, &noise, &first),
                 SeriesMethod::PadEdge => {
                     let worst = self.p_values(&data, &first);
                     (self.of_fit(&first, 1), worst)
@@ -458,112 +450,10 @@ impl Problem<'_> {
         worst.2
     }
 
-    /// The weighted mean of fits of polynomials with different numbers of terms, and the roll that contradicts the
-    /// other rolls most. The weights follow from Akaike's information criterion. The reported number of terms is that
-    /// of the fit with the largest weight.
-    fn trajectory(
-        &mut self,
-        data: &[RollData],
-        noise: &FitNoise,
-        first: SeriesFit<3>,
-    ) -> (SeriesEstimate, Option<usize>) {
-        let mut shape = first.shape;
-        let mut all = vec![self.candidate(data, &first)];
-        self.more_terms::<7>(data, noise, &mut shape, &mut all);
-        let third = self.more_terms::<12>(data, noise, &mut shape, &mut all);
-        // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
-        // second term of the polynomial then does not improve the fit, but a third term may. So fits with two and three
-        // terms are always tried. A fourth term is tried only if one of these fits is better than the fit with one
-        // term.
-        let first = all[0].criterion;
-        if all[1..].iter().any(|one| one.criterion < first) {
-            self.more_terms::<18>(data, noise, &mut shape, &mut all);
-        }
-        // A change of curvature that is the same in opposite directions is missed by fits with fewer than three terms.
-        // For example, a roll of length s starts at the apex of a paraboloid with the curvature k. The mean curvature
-        // along the roll is lower than k by the fraction (k s)² / 2.
-        if all.iter().all(|one| one.estimate.terms < 3) {
-            for Candidate { estimate, .. } in &mut all {
-                let entries = estimate.entries();
-                let turned = entries.amax() * estimate.arc_length;
-                estimate.widen(entries * (0.5 * turned * turned));
-            }
-        }
-        // A fit with few terms may have a low criterion (AIC) although its curvature is biased. Therefore its criterion
-        // is raised to at least the squared distance of its curvature from the curvature of the fit with the most
-        // terms. The criterion of the fit with the most terms is limited to 6, which is AIC's penalty for three
-        // parameters. All these criteria are differences from the smallest criterion.
-        if let Some(last) = all.pop() {
-            let criteria = all.iter().map(|one| one.criterion);
-            let best = criteria.fold(last.criterion, f64::min);
-            for one in &mut all {
-                let apart = one.estimate.distance_squared(&last.estimate);
-                one.criterion = (one.criterion - best).max(apart);
-            }
-            let criterion = (last.criterion - best).min(6.0);
-            all.push(Candidate { criterion, ..last });
-        }
-        // If the readings are noisy, a fit with one or two terms may agree with them although the curvature changes in
-        // a way that these terms cannot describe. The estimated curvature is then biased. Therefore replace it and its
-        // covariance by those of a fit with three terms and a prior for the terms that the first fit lacks.
-        for one in all.iter_mut().filter(|one| one.estimate.terms < 3) {
-            let Some(third) = &third else { break };
-            let Candidate {
-                shape, estimate, ..
-            } = one;
-            let principal = estimate.curvature.principal();
-            let largest = self.radius * principal.k_max.abs().max(principal.k_min.abs());
-            let variance = one.noise.map_or(self.variance(third), |_| 1.0);
-            let noise = noise.with_prior(estimate.terms, largest, variance, one.noise);
-            shape.terms = 3;
-            if let Some(fit) = SeriesFit::<12>::new(data, &noise, *shape, TOLERANCE) {
-                let found = self.of_fit(&fit, 3);
-                (estimate.curvature, estimate.covariance) = (found.curvature, found.covariance);
-            }
-        }
-        all.sort_by(|one, other| one.criterion.total_cmp(&other.criterion));
-        let weight = |one: &Candidate| libm::exp(0.5 * (all[0].criterion - one.criterion));
-        let weights = all.iter().map(weight);
-        let weighted: Vec<_> = weights.zip(all.iter().map(|one| &one.estimate)).collect();
-        let mean = SeriesEstimate::mean(&weighted);
-        self.reports.clone_from(&mean.rolls);
-        (mean, all[0].worst)
-    }
-
-    fn candidate<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Candidate {
-        let deviance = |noise| fit.deviance(&noise);
-        Candidate {
-            // The information criterion of Akaike.
-            criterion: 2.0 * N as f64 + fit.estimated.map_or(fit.chi_squared, deviance),
-            shape: fit.shape,
-            noise: fit.estimated,
-            worst: self.p_values(data, fit),
-            estimate: self.of_fit(fit, fit.shape.terms),
-        }
-    }
-
-    fn more_terms<const N: usize>(
-        &mut self,
-        data: &[RollData],
-        noise: &FitNoise,
-        shape: &mut LocalShape,
-        all: &mut Vec<Candidate>,
-    ) -> Option<SeriesFit<N>> {
-        shape.terms += 1;
-        let fit = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE)?;
-        *shape = fit.shape;
-        let mut one = self.candidate(data, &fit);
-        // Widen the standard errors to account for the omitted terms. The omitted terms probably change the curvature
-        // at the start less than the last two terms did. Therefore the widening is the change that the last two terms
-        // caused, multiplied by a factor: the share of the last terms in the curvature at the end of a roll.
-        let is_before = |one: &&Candidate| one.estimate.terms + 2 == shape.terms;
-        if let Some(before) = all.iter().rfind(is_before) {
-            let ends = fit.rolls.iter().map(|roll| shape.last_share(&roll.end));
-            let apart = one.estimate.entries() - before.estimate.entries();
-            one.estimate.widen(apart * ends.fold(0.0, f64::max));
-        }
-        all.push(one);
-        Some(fit)
+    /// Whether the residuals of exact readings of pads exceed the assumed errors.
+    fn is_misfit<const N: usize>(&self, fit: &SeriesFit<N>) -> bool {
+        let goodness = || GoodnessOfFit::new(fit.chi_squared, fit.freedom);
+        self.has_exact_pads() && goodness().p_value < EXACT_LEVEL
     }
 
     /// The covariance of a fit is the inverse of its information matrix, multiplied by this factor.
@@ -573,7 +463,7 @@ impl Problem<'_> {
         // rolls, the residuals exceed the assumed errors. Then χ² per degree of freedom increases the covariance.
         match fit.estimated {
             Some(noise) => noise.variance,
-            None if self.has_exact_pads() => (fit.chi_squared / fit.freedom.max(1) as f64).max(1.0),
+            None if self.is_misfit(fit) => fit.chi_squared / fit.freedom.max(1) as f64,
             None => 1.0,
         }
     }
@@ -582,7 +472,7 @@ impl Problem<'_> {
         let covariance = fit.covariance.fixed_view::<3, 3>(0, 0) * self.variance(fit);
         let uncertainty = match fit.estimated {
             Some(noise) => Uncertainty::Student(noise.freedom as usize),
-            None if self.has_exact_pads() => Uncertainty::Student(fit.freedom.max(1)),
+            None if self.is_misfit(fit) => Uncertainty::Student(fit.freedom.max(1)),
             None if self.noise.is_exact() => Uncertainty::NormalMobility,
             None => Uncertainty::NormalForm,
         };

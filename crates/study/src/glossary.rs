@@ -109,7 +109,7 @@ subjects! {
     "Estimators" {
         "least-squares": "Estimator of rolls. A least-squares fit gives the curvature that best explains the rotations and the movements of the contact (shifts) of all rolls.";
         "pad-edge": "Estimator of rolls whose readings are time series from pads. When the active pad changes, the contact is on the line between two pads; at all other times, it is on the active pad. The curvatures that agree with all samples give the estimate and its bounds.";
-        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It describes the curvature along a roll by polynomials with one to four terms, and averages their fits with weights that favour few terms.";
+        "trajectory": "Estimator of rolls whose readings are time series. It fits the curvature at the first contact and the change of curvature along the rolls. It describes the curvature along a roll by a polynomial, and its estimate is a weighted mean over the rate at which the curvature may change.";
         "quadric": "Estimator of glides: it fits one quadric (second-degree surface) to the whole patch. A quadric has few unknowns, but cannot represent other shapes.";
         "image": "Estimator of presses for a sensor with a camera: it fits the contact model directly to the position, hue and size of each marker in the image, without computing displacements first.";
         "plane": "Estimator of glides: it fits a plane to the contacts and rejects outliers.";
