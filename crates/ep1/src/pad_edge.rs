@@ -6,7 +6,7 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
 
 use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
-use crate::roll_fit::slopes_at;
+use crate::roll_fit::{STEP, moved, slopes_at};
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
 use crate::symmetric::largest_spread;
 use crate::{PadCell, Quantity, RollSample, RollSeries};
@@ -308,10 +308,24 @@ impl PadEdgeSet {
         for (roll, start) in self.rolls.iter().zip(starts) {
             roll.rotations.path(shape, &Vector2::zeros(), &mut path)?;
             let frame = StartFrame::new(start);
+            let changed = |unknown: usize| {
+                let step = STEP * Vector3::ith(unknown, 1.0);
+                let (shape, mut path) = (moved(shape, &step)?.0, Vec::new());
+                roll.rotations.path(&shape, &Vector2::zeros(), &mut path)?;
+                Some(path)
+            };
+            let nearby: Option<Vec<_>> = match roll.rotations.is_spun() {
+                true => (0..3).map(changed).collect(),
+                false => None,
+            };
             let row = |&(edge, offset, at): &(usize, f64, usize)| {
                 let place = frame.place(&path[at]);
                 let by_drive = place.by_path * path[at].mobility;
-                let slopes = slopes_at::<3>(shape, &path[at].x, &place.by_path, &by_drive);
+                let mut slopes = slopes_at::<3>(shape, &path[at].x, &place.by_path, &by_drive);
+                for (unknown, path) in nearby.iter().flatten().enumerate() {
+                    let change = frame.place(&path[at]).place - place.place;
+                    slopes.set_column(unknown, &(change / STEP));
+                }
                 let normal = normals[edge];
                 EdgeRow {
                     edge,

@@ -28,7 +28,7 @@ const DECREMENT: f64 = 1e-6;
 /// even if the fit did not converge.
 const ROUGH: f64 = 1e-4;
 /// Derivatives are computed as finite differences. For this, an unknown is changed by this value.
-const STEP: f64 = 1e-6;
+pub(crate) const STEP: f64 = 1e-6;
 /// A fit also ends if the largest change of an unknown is below this value, but above half of the largest change in the
 /// step before. Further steps would then hardly improve the fit.
 const SETTLED: f64 = 1e-5;
@@ -211,7 +211,9 @@ impl<const N: usize> RollFit<N> {
         let knows_error = noise.relative_roll_std == 0.0;
         let relative = shape.relative();
         let measured = roll.rotations.rotations();
-        let nearby = match knows_error {
+        // All or none of the derivatives must include the effect of the spin.
+        let is_mixed = N == 3 && roll.rotations.is_spun();
+        let nearby = match knows_error && !is_mixed {
             true => Vec::new(),
             false => self.nearby(roll, shape)?,
         };
@@ -279,14 +281,14 @@ impl<const N: usize> RollFit<N> {
                     .fixed_view_mut::<2, 2>(0, 0)
                     .copy_from(&place.by_start);
             }
-            if !knows_error {
+            if !nearby.is_empty() {
                 let without = slopes_at::<N>(shape, &at.x, &place.by_path, &by_drive);
                 for (unknown, path) in nearby.iter().enumerate() {
                     let slope = (frame.place(&path[index]).place - place.place) / STEP;
                     if unknown < 3 {
                         let more = slope - without.column(unknown);
                         slopes.set_column(unknown, &(slopes.column(unknown) + more));
-                    } else {
+                    } else if !knows_error {
                         own_slopes.set_column(unknown - 1, &slope);
                     }
                 }
@@ -497,7 +499,10 @@ pub(crate) fn inverse_of<const N: usize>(
 
 /// The shape after a step, and the share of the step that was done. The step is shortened if the contact could not roll
 /// after the full step.
-fn moved<const N: usize>(shape: &LocalShape, step: &SVector<f64, N>) -> Option<(LocalShape, f64)> {
+pub(crate) fn moved<const N: usize>(
+    shape: &LocalShape,
+    step: &SVector<f64, N>,
+) -> Option<(LocalShape, f64)> {
     let mut share = 1.0;
     for _ in 0..12 {
         let mut tried = *shape;

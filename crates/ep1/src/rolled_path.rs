@@ -23,6 +23,8 @@ const NEWTON_STEPS: usize = 4;
 /// If a Newton step is shorter than this value, the iteration ends. The remaining error is about the square of the
 /// step, which is negligible.
 const SMALL_STEP: f64 = 1e-5;
+/// Smallest rotation about the contact normal during a roll that counts as a spin (rad).
+pub(crate) const MIN_ANGLE: f64 = 0.02;
 
 /// Number of coefficients of a polynomial with `terms` terms: 3 for the curvature form, 4 more for its first
 /// derivatives, and so on.
@@ -157,6 +159,13 @@ impl RollRotations {
     /// Whether the measured rotations about the contact normal are used.
     pub(crate) fn has_spin(&self) -> bool {
         !self.steps.is_empty()
+    }
+
+    /// Whether the probe spins. If it does, a shift of the contact mixes the spin into the drive, and only differences of
+    /// paths include this effect.
+    pub(crate) fn is_spun(&self) -> bool {
+        let mut used = self.rotations.iter().filter(|_| self.has_spin());
+        used.any(|one| one.z.abs() > MIN_ANGLE)
     }
 
     /// Computes the contacts at all samples and writes them to `path`. `error` is the error of the measured drive

@@ -9,7 +9,7 @@ use crate::crossings::{Crossing, Run, crossings};
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::{are_reversed, check, groups, undetermined};
-use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, RollRotations, drive_of};
+use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MIN_ANGLE, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::symmetric::{inverse_slopes, largest_spread};
 use crate::{
@@ -43,8 +43,6 @@ const MAX_SPREAD: f64 = 0.25;
 /// If the errors of rotations grow with the rotation, the fit uses the rotations about the contact normal only if their
 /// root mean square exceeds their standard deviation by this factor.
 const MIN_SPIN: f64 = 2.0;
-/// Smallest rotation about the contact normal during a roll that counts as a spin (rad).
-const MIN_ANGLE: f64 = 0.02;
 
 /// The curvature from time series of rolls of a probe of `radius`.
 ///

@@ -18,9 +18,9 @@ const RATIO: f64 = 1.5;
 const SMALLER_RATES: i32 = 4;
 /// Upper limit of the rates, in units of the curvature; but at least this number of inverse radii of the probe.
 const MAX_RATE: f64 = 3.5;
-/// Penalty for each parameter that the readings determine, in the criterion that weights the rates. Akaike's penalty is
-/// 2. With this smaller penalty, a change of curvature that the readings barely show widens the intervals.
-const PENALTY: f64 = 1.3;
+/// Penalty for each parameter that the readings determine, in the criterion that weights the rates. With Akaike's
+/// penalty of 2, the intervals would be too narrow if noise hides the change of the curvature.
+const PENALTY: f64 = 1.0;
 /// The polynomial lacks terms of even higher order. Their estimated effect on the curvature is the effect of the fitted
 /// terms, multiplied by the largest relative change of the curvature along the rolls and by this factor.
 const NEXT_TERM: f64 = 0.7;

@@ -138,14 +138,16 @@ fn the_set_contains_a_curvature_that_differs_between_directions() {
         pitch: 0.1,
         ..SQUARE
     };
-    let (contacts, roller) = integrated(&cylinder, (0.0, 0.0), [0.5, 0.0]);
-    let from = roller.first_contact();
-    let (_, truth) = cylinder
-        .curvature_along(&from.on_object, &from.x_axis)
-        .unwrap();
-    let truths = [truth.normal_curvature(0.3), 0.0, 1.0, 0.0, 2.0];
-    let mut draws = Draws(29);
-    for _ in 0..8 {
+    let (mut draws, mut sums) = (Draws(29), [0.0; 2]);
+    for trial in 0..8 {
+        // In every second trial, the probe spins by 2 rad.
+        let spin = [0.0, 2.0][trial % 2];
+        let (contacts, roller) = integrated(&cylinder, (0.0, 0.0), [0.5, spin]);
+        let from = roller.first_contact();
+        let (_, truth) = cylinder
+            .curvature_along(&from.on_object, &from.x_axis)
+            .unwrap();
+        let truths = [truth.normal_curvature(0.3), 0.0, 1.0, 0.0, 2.0];
         let mut rolls = contacts.clone();
         for roll in &mut rolls {
             let start = Vector2::new(draws.uniform() - 0.5, draws.uniform() - 0.5);
@@ -155,8 +157,9 @@ fn the_set_contains_a_curvature_that_differs_between_directions() {
             }
         }
         let [.., [_, high]] = bounds_around(cell, 1.0, &rolls, truths);
-        assert!(high < Some(2.4), "{high:?}");
+        sums[trial % 2] += high.unwrap() / 4.0;
     }
+    assert!(sums[0] < 2.35 && sums[1] < 2.75, "{sums:?}");
 }
 
 #[test]
@@ -374,7 +377,7 @@ fn trajectories_have_no_other_bias_than_pad_edges() {
         apart += (one - other) * 5.0;
     }
     // If the fits with few terms did not correct the errors of rotations, the difference would be above 3 %.
-    assert!(apart.abs() < 0.01, "{apart}");
+    assert!(apart.abs() < 0.02, "{apart}");
 }
 
 #[test]
