@@ -27,9 +27,6 @@ const MOST_NODES: usize = 2048;
 /// The nodes of a numerical integral are normally distributed values of the mobility (contact travel per radian). This
 /// constant is their standard deviation, divided by the standard deviation of the mobility.
 const NODE_WIDTH: f64 = 1.3;
-/// Largest distance of an integration node from the mean of all nodes, divided by the standard deviation of the nodes.
-/// The nodes are normally distributed points at which an integrand is computed.
-const NODE_RADIUS: f64 = 5.8;
 /// Largest considered change of a component of the mobility (contact travel per radian), in radii of the probe. If
 /// mobilities with this change are possible, the set of possible mobilities counts as open, that is, as unbounded.
 pub(crate) const OPEN: f64 = 16.0;
@@ -253,8 +250,7 @@ impl RollRows {
     fn of_mobility(&self, response: &Matrix2x3<f64>, cell: &PadCell) -> Vec<MobilityRow> {
         let mut all = Vec::with_capacity(self.rows.len());
         for (edge, normal) in cell.normals().enumerate() {
-            let of_edge = self.rows.iter().enumerate();
-            for (number, row) in of_edge.filter(|(_, row)| row.edge == edge) {
+            for row in self.rows.iter().filter(|row| row.edge == edge) {
                 let mut form = row.form;
                 if !self.is_start_known {
                     form += response.tr_mul(&(row.normal - normal));
@@ -263,38 +259,20 @@ impl RollRows {
                     edge,
                     form,
                     slack: row.slack,
-                    number,
                 });
             }
         }
         all
     }
-
-    /// Indices of the needed bounds of the mobility (contact travel per radian). A bound is needed unless another bound
-    /// from the same edge of the pad implies it for all mobilities near `mean`. `root` is the Cholesky factor of the
-    /// mobility's covariance.
-    pub(crate) fn needed(
-        &self,
-        response: &Matrix2x3<f64>,
-        cell: &PadCell,
-        mean: &Vector3<f64>,
-        root: &Matrix3<f64>,
-    ) -> Vec<usize> {
-        let mut rows = self.of_mobility(response, cell);
-        retain_needed(&mut rows, mean, root, NODE_RADIUS);
-        rows.into_iter().map(|row| row.number).collect()
-    }
 }
 
 /// A bound of the mobility (contact travel per radian) that follows from one roll: `form · β ≤ slack`, where β is the
-/// change of the mobility. The bound is stored with the index of the pad's edge and the index of the [`EdgeRow`] from
-/// which it was derived.
+/// change of the mobility. The bound is stored with the index of the pad's edge.
 #[derive(Clone, Copy, Debug)]
 struct MobilityRow {
     edge: usize,
     form: Vector3<f64>,
     slack: f64,
-    number: usize,
 }
 
 /// Removes each bound of the mobility for which another bound from the same edge of the pad is at least as strict at
@@ -317,7 +295,7 @@ fn retain_needed(
     rows.retain(|row| {
         tightest[row.edge].is_none_or(|best| {
             let reach = root.tr_mul(&(row.form - best.form)).norm() * radius * NODE_WIDTH;
-            row.number == best.number || at_mean(row) - at_mean(&best) < reach
+            at_mean(row) - at_mean(&best) <= reach
         })
     });
 }

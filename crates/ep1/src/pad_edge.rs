@@ -215,20 +215,7 @@ impl PadEdgeSet {
         for (roll, start) in set.rolls.iter_mut().zip(starts) {
             roll.start = start;
         }
-        set.retain_needed();
         Some(set)
-    }
-
-    /// Removes bounds of the mobility (contact travel per radian) that follow from other bounds of the same pad edge.
-    fn retain_needed(&mut self) {
-        let Some(root) = self.covariance.cholesky().map(|root| root.unpack()) else {
-            return;
-        };
-        for (roll, rows) in self.rolls.iter_mut().zip(&mut self.rows) {
-            let needed = rows.needed(&roll.response, &self.cell, &self.mean, &root);
-            roll.edges = needed.iter().map(|&number| roll.edges[number]).collect();
-            rows.rows = needed.iter().map(|&number| rows.rows[number]).collect();
-        }
     }
 
     /// The change of the mobility (contact travel per radian), halved until the contact can roll with the changed
@@ -264,21 +251,6 @@ impl PadEdgeSet {
         let direction = Vector3::new(1.0, 0.0, 1.0);
         let end = furthest_change(&self.rows, &direction, &mut Programs::default());
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
-    }
-
-    /// Whether, in some direction, the contact moves against the roll for every mobility (contact travel per radian) of
-    /// the set.
-    pub(crate) fn is_reversed(&self) -> bool {
-        let mut programs = Programs::default();
-        (0..4).any(|at| {
-            let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_4 * f64::from(at));
-            let along = Vector2::new(cos, sin);
-            let direction = entries(&(along * along.transpose()));
-            let end = furthest_change(&self.rows, &direction, &mut programs);
-            end.is_some_and(|(change, _)| {
-                direction.dot(&change) <= -along.dot(&(self.centre * along))
-            })
-        })
     }
 
     /// Whether the standard deviation of the mobility (contact travel per radian) is so large that the set of possible

@@ -254,9 +254,6 @@ impl Problem<'_> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         let covariance = set.covariance;
-        if set.is_wide() && set.is_reversed() {
-            return Err(SeriesError::NotRolling);
-        }
         if set.is_wide() && set.is_open() {
             return Err(undetermined(self.rolls));
         }
@@ -448,20 +445,17 @@ impl Problem<'_> {
         worst.2
     }
 
-    /// Whether the residuals of exact readings of pads exceed the assumed errors.
-    fn is_misfit<const N: usize>(&self, fit: &SeriesFit<N>) -> bool {
-        let goodness = || GoodnessOfFit::new(fit.chi_squared, fit.freedom);
-        self.has_exact_pads() && goodness().p_value < EXACT_LEVEL
-    }
-
     /// The covariance of a fit is the inverse of its information matrix, multiplied by this factor.
     fn variance<const N: usize>(&self, fit: &SeriesFit<N>) -> f64 {
         // Exact readings of pads determine the rotation at a crossing only up to the rotation between two samples. The
         // assumed errors contain this uncertainty. If the polynomial has too few terms for the curvature along the
         // rolls, the residuals exceed the assumed errors. Then χ² per degree of freedom increases the covariance.
+        let goodness = || GoodnessOfFit::new(fit.chi_squared, fit.freedom);
         match fit.estimated {
             Some(noise) => noise.variance,
-            None if self.is_misfit(fit) => fit.chi_squared / fit.freedom.max(1) as f64,
+            None if self.has_exact_pads() && goodness().p_value < EXACT_LEVEL => {
+                fit.chi_squared / fit.freedom.max(1) as f64
+            }
             None => 1.0,
         }
     }
@@ -470,7 +464,6 @@ impl Problem<'_> {
         let covariance = fit.covariance.fixed_view::<3, 3>(0, 0) * self.variance(fit);
         let uncertainty = match fit.estimated {
             Some(noise) => Uncertainty::Student(noise.freedom as usize),
-            None if self.is_misfit(fit) => Uncertainty::Student(fit.freedom.max(1)),
             None if self.noise.is_exact() => Uncertainty::NormalMobility,
             None => Uncertainty::NormalForm,
         };

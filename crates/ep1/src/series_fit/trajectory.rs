@@ -60,14 +60,9 @@ impl Problem<'_> {
         let mut best = self.candidate(data, first);
         let mut shape = first.shape;
         // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
-        // second term of the polynomial then does not improve the fit, but a third term may. So fits with two and three
-        // terms are always tried. A fourth term is tried only if one of these fits is better than the fit with one
-        // term.
+        // second term of the polynomial then does not improve the fit, but a third term may.
         self.more_terms::<7>(data, noise, &mut shape, &mut best);
         self.more_terms::<12>(data, noise, &mut shape, &mut best);
-        if best.estimate.terms > 1 {
-            self.more_terms::<MAX_COEFFICIENTS>(data, noise, &mut shape, &mut best);
-        }
         let mean = self.mean_of_rates(data, noise, &best, first);
         self.reports.clone_from(&best.estimate.rolls);
         (mean.unwrap_or(best.estimate), best.worst)
