@@ -40,9 +40,6 @@ const CENTRES: usize = 5;
 /// If a contact with a changed mobility (contact travel per radian) could not roll, the change is halved, at most this
 /// number of times.
 const MAX_HALVINGS: usize = 60;
-/// If no mobility (contact travel per radian) fulfils the linear bounds of the contact's positions, the bounds are
-/// widened by these distances one after the other. The distances are in radii of the probe.
-const WIDENING: [f64; 3] = [1e-4, 1e-3, 1e-2];
 /// Largest error of a computed path of the contact (in radii of the probe), divided by the mean rotation between two
 /// samples (rad). The error arises because the path bends between two computed points.
 const PATH_ERROR: f64 = 2e-3;
@@ -178,25 +175,13 @@ impl PadEdgeSet {
             {
                 break;
             }
-            let found = middle(&set.rows);
-            let is_found = found.is_some();
-            // The bounds are linearised at the current mobility (contact travel per radian). If this mobility is far
-            // from the mobilities that fulfil the nonlinear bounds, perhaps no mobility fulfils the linear bounds. In
-            // this case, widen the linear bounds. Then a step towards the possible mobilities can be computed.
-            let wider = |widening: &f64| {
-                let mut wider = set.rows.clone();
-                let rows = wider.iter_mut().flat_map(|roll| &mut roll.rows);
-                rows.for_each(|row| row.slack += widening);
-                middle(&wider).filter(|_| pass < CENTRES)
-            };
-            let found = found.or_else(|| WIDENING.iter().find_map(wider));
-            let (change, half_widths, moved) = found?;
+            let (change, half_widths, moved) = middle(&set.rows)?;
             let stds = half_widths * STD_OF_HALF_WIDTH;
             let guess = Matrix3::from_diagonal(&stds.component_mul(&stds));
             (set.mean, set.covariance) = (change, guess);
-            covariance = is_found.then_some(guess);
+            covariance = Some(guess);
             let is_open = half_widths.max() > 0.9 * OPEN;
-            if is_open || (is_found && pass > 0) {
+            if is_open || pass > 0 {
                 if !is_open {
                     set.distribute(change, guess);
                 }

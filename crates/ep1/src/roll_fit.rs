@@ -112,18 +112,6 @@ pub(crate) struct RollFit<const N: usize> {
     pub(crate) end: Vector2<f64>,
 }
 
-impl FitNoise {
-    /// If `estimated` is given, its noise replaces the noise of `self`, and the fit does not estimate the noise again.
-    pub(crate) fn with_estimated(mut self, estimated: Option<EstimatedNoise>) -> Self {
-        if let Some(estimated) = estimated {
-            self.contact_std = estimated.variance.sqrt();
-            self.relative_roll_std = estimated.shared.sqrt();
-            self.is_estimated = false;
-        }
-        self
-    }
-}
-
 /// The result of a fit to all rolls.
 #[derive(Clone, Debug)]
 pub(crate) struct SeriesFit<const N: usize> {
@@ -380,18 +368,12 @@ impl<const N: usize> SeriesFit<N> {
                 fit.chi_squared += state.chi_squared;
                 fit.freedom += state.freedom;
             }
-            for (at, weight) in noise
-                .prior
-                .into_iter()
-                .enumerate()
-                .filter(|one| one.1 > 0.0)
-            {
-                let own = fit.shape.tensors[at];
-                fit.information[(at, at)] += weight;
-                gradient[at] -= weight * own;
-                fit.chi_squared += weight * own * own;
-                fit.freedom += 1;
-            }
+            let prior = SVector::<f64, N>::from_column_slice(&noise.prior[..N]);
+            let own = SVector::<f64, N>::from_column_slice(&fit.shape.tensors[..N]);
+            fit.information += SMatrix::from_diagonal(&prior);
+            gradient -= prior.component_mul(&own);
+            fit.chi_squared += own.dot(&prior.component_mul(&own));
+            fit.freedom += prior.iter().filter(|weight| **weight > 0.0).count();
             fit.freedom = fit.freedom.saturating_sub(N);
             fit.covariance = inverse_of(&fit.information)?;
             let full = fit.covariance * gradient;

@@ -86,10 +86,9 @@ impl Problem<'_> {
         let is_set = is_exact && self.method == SeriesMethod::PadEdge;
         // If the probe spins, the bounds of the set are accurate only near the mobility at which they are linearised.
         let spins = self.rolls.iter().any(|roll| roll.bend() > MIN_ANGLE);
-        let tolerance = if is_set && !spins {
-            ROUGH_TOLERANCE
-        } else {
-            TOLERANCE
+        let tolerance = match is_set && !spins {
+            true => ROUGH_TOLERANCE,
+            false => TOLERANCE,
         };
         let mut noise = self.fit_noise();
         let rolls = self.rolls;

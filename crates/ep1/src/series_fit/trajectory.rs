@@ -113,7 +113,12 @@ impl Problem<'_> {
         let rates = (-SMALLER_RATES..).map(|power| curvature * RATIO.powi(power));
         let rates = rates.take_while(|rate| *rate < MAX_RATE * curvature.max(1.0));
         let rates: Vec<f64> = rates.collect();
-        let mut noise = noise.with_estimated(best.noise);
+        let mut noise = *noise;
+        if let Some(estimated) = best.noise {
+            noise.contact_std = estimated.variance.sqrt();
+            noise.relative_roll_std = estimated.shared.sqrt();
+            noise.is_estimated = false;
+        }
         let mut shape = best.shape;
         shape.terms = MAX_TERMS;
         let mut rate = curvature;

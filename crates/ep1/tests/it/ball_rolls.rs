@@ -1,7 +1,10 @@
 //! Time series of rolls on a ball, from the closed form for a ball on a ball.
 
 use nalgebra::{Rotation3, Vector2, Vector3};
-use palpate_ep1::{PadCell, RollSample, RollSeries, SeriesNoise};
+use palpate_ep1::{
+    PadCell, Places, RollSample, RollSeries, SeriesError, SeriesEstimate, SeriesMethod,
+    SeriesNoise, estimate_series,
+};
 
 use crate::draws::Draws;
 
@@ -16,6 +19,15 @@ pub(crate) const SQUARE: PadCell = PadCell {
     pitch: 1.0,
     is_hexagonal: false,
 };
+
+/// The estimate from the centres of the pads [`SQUARE`].
+pub(crate) fn on_squares(
+    method: SeriesMethod,
+    noise: &SeriesNoise,
+    rolls: &[RollSeries],
+) -> Result<SeriesEstimate, SeriesError> {
+    estimate_series(method, RADIUS, &Places::Pads(SQUARE), noise, rolls)
+}
 
 /// Centre of the pad that contains `place`.
 pub(crate) fn pad(cell: &PadCell, place: &Vector2<f64>) -> Vector2<f64> {

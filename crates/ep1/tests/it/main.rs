@@ -9,6 +9,7 @@ mod exact;
 mod misfit;
 mod refusals;
 mod series;
+mod trajectories;
 
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use palpate_ep1::{PadStart, ProbeReading, ReadingNoise};

@@ -2,16 +2,16 @@
 //! computed by integration of the rolling equations.
 
 use approx::assert_relative_eq;
-use nalgebra::{UnitQuaternion, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{
     Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesMethod, SeriesNoise,
     estimate_series,
 };
-use palpate_geometry::{Cylinder, Ellipsoid, Graph, Shape, ShapeThresholds, Sphere, Surface};
-use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
+use palpate_geometry::{Cylinder, Shape, ShapeThresholds, Surface};
 
-use crate::ball_rolls::{EXACT, RADIUS, SQUARE, chart, pad, rolls, without_starts};
+use crate::ball_rolls::{EXACT, RADIUS, SQUARE, chart, on_squares, pad, rolls, without_starts};
 use crate::draws::Draws;
+use crate::trajectories::integrated;
 
 const QUANTITIES: [Quantity; 5] = [
     Quantity::Normal { angle_rad: 0.3 },
@@ -165,14 +165,13 @@ fn the_set_contains_a_curvature_that_differs_between_directions() {
 #[test]
 fn noisy_rotations_give_intervals_that_hold() {
     let mut draws = Draws(5);
-    let cell = SQUARE;
     let noise = SeriesNoise {
         rotation_std_rad: 0.1_f64.to_radians(),
         ..EXACT
     };
     let (mut held, trials) = (0, 40);
     for trial in 0..trials {
-        let mut noisy = rolls(47.0, &cell, 0.1 * f64::from(trial), &mut draws);
+        let mut noisy = rolls(47.0, &SQUARE, 0.1 * f64::from(trial), &mut draws);
         // In every fourth trial, the start is known, and the rotations are relative to a noisy first orientation.
         let is_relative = trial % 4 == 0;
         if !is_relative {
@@ -198,9 +197,7 @@ fn noisy_rotations_give_intervals_that_hold() {
                 .iter_mut()
                 .for_each(|one| one.rotation -= first);
         }
-        let places = Places::Pads(cell);
-        let found =
-            estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &noisy).unwrap();
+        let found = on_squares(SeriesMethod::PadEdge, &noise, &noisy).unwrap();
         let value = found.curvature.k_uu;
         let arc_length = found.estimate().arc_length;
         assert!(arc_length > 2.0, "{arc_length}");
@@ -210,116 +207,6 @@ fn noisy_rotations_give_intervals_that_hold() {
         held += u32::from(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
     }
     assert!(held >= 34, "{held} of {trials}");
-}
-
-/// Rolls of a probe of radius 1 on `shape`, with contact points in 30 samples. The rolling equations are integrated.
-/// `turn` contains the rotation in the direction of rolling and about the contact normal.
-fn integrated(shape: &Shape, first: (f64, f64), turn: [f64; 2]) -> (Vec<RollSeries>, Roller) {
-    let motions = |direction: f64| {
-        let mut motion = Motion::rolling(direction, turn[0], 1.0);
-        motion.angular_velocity.z = turn[1];
-        vec![motion]
-    };
-    let model = Model::Dop853 {
-        tolerance: 1e-10,
-        chart: Chart::Free,
-    };
-    let all: Vec<_> = (0..8)
-        .map(|roll| motions(0.2 + 0.785 * f64::from(roll)))
-        .collect();
-    let probe = Sphere::new(1.0).unwrap();
-    let roller = Roller::new(probe, shape.clone(), first, model, Rolls::exact(&all)).unwrap();
-    let from = *roller.first_contact();
-    let series = all.iter().map(|motion| {
-        let sample = |index: u32| {
-            let time_s = f64::from(index) / 30.0;
-            let contact = roller
-                .roll(&[Motion {
-                    duration_s: time_s,
-                    ..motion[0]
-                }])
-                .unwrap();
-            let turn = from.object_from_probe().inverse() * contact.object_from_probe();
-            let body_from_contact = from.body_from_contact;
-            let in_contact = body_from_contact.inverse()
-                * UnitQuaternion::from_rotation_matrix(&turn)
-                * body_from_contact;
-            RollSample {
-                time_s,
-                rotation: in_contact.scaled_axis(),
-                place: contact.shift_from(&from, 1.0).displacement,
-            }
-        };
-        RollSeries {
-            start: None,
-            has_spin: true,
-            samples: (0..=30).map(sample).collect(),
-        }
-    });
-    (series.collect(), roller)
-}
-
-#[test]
-fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
-    let paraboloid = |c| Shape::Paraboloid(Graph::paraboloid(c).unwrap());
-    let ellipsoid = Shape::Ellipsoid(Ellipsoid::new([3.0, 2.0, 1.5]).unwrap());
-    let gain = SeriesNoise {
-        relative_rotation_std: 0.01,
-        ..EXACT
-    };
-    let (without, with) = (
-        [(true, EXACT), (false, EXACT)],
-        [(true, EXACT), (true, gain)],
-    );
-    for (shape, first, spin, cases) in [
-        (paraboloid(5.0), (0.0, 0.0), 0.0, without),
-        (paraboloid(0.5), (0.0, 0.0), 0.0, without),
-        (ellipsoid.clone(), (0.0, 0.0), 0.0, without),
-        (ellipsoid.clone(), (0.8, 0.5), 0.0, without),
-        (ellipsoid.clone(), (0.8, 0.5), 1.5, with),
-        (ellipsoid, (0.8, 0.5), 3.0, with),
-    ] {
-        let (rolls, roller) = integrated(&shape, first, [0.5, spin]);
-        let from = roller.first_contact();
-        let (_, truth) = shape
-            .curvature_along(&from.on_object, &from.x_axis)
-            .unwrap();
-        let truth = truth.principal();
-        let places = Places::Contacts { std: 0.0 };
-        for (has_spin, noise) in cases {
-            let mut rolls = rolls.clone();
-            for roll in rolls.iter_mut().filter(|_| !has_spin) {
-                roll.has_spin = false;
-                roll.samples.iter_mut().for_each(|one| one.rotation.z = 0.0);
-            }
-            let found =
-                estimate_series(SeriesMethod::Trajectory, 1.0, &places, &noise, &rolls).unwrap();
-            assert!(found.terms > 1);
-            let found = found.curvature.principal();
-            assert_relative_eq!(found.k_min, truth.k_min, max_relative = 0.01);
-            assert_relative_eq!(found.k_max, truth.k_max, max_relative = 0.01);
-        }
-    }
-}
-
-#[test]
-fn intervals_include_the_change_of_curvature_that_noise_hides() {
-    let (places, mut draws) = (Places::Contacts { std: 1e-3 }, Draws(14));
-    let paraboloid = Shape::Paraboloid(Graph::paraboloid(0.2).unwrap());
-    let (exact, _) = integrated(&paraboloid, (0.0, 0.0), [0.5, 0.0]);
-    let one = |_: &u32| {
-        let mut rolls = exact.clone();
-        for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
-            sample.place += Vector2::from_fn(|_, _| draws.normal()) * 1e-3;
-        }
-        let found = estimate_series(SeriesMethod::Trajectory, 1.0, &places, &EXACT, &rolls);
-        let interval = found.unwrap().interval95(Quantity::Mean);
-        let [low, high] = interval.map(Option::unwrap);
-        assert!(high - low < 0.02, "{low} {high}");
-        low < 0.4 && 0.4 < high
-    };
-    let held = (0..100).filter(one).count();
-    assert!(held >= 86, "{held}");
 }
 
 #[test]
@@ -355,97 +242,8 @@ fn errors_of_the_measured_rotations_do_not_attenuate() {
 }
 
 #[test]
-fn trajectories_have_no_other_bias_than_pad_edges() {
-    let (mut draws, mut apart) = (Draws(15), 0.0);
-    let noise = SeriesNoise {
-        relative_rotation_std: 0.1,
-        ..EXACT
-    };
-    for trial in 0..10 {
-        let turn = 0.1 * f64::from(trial);
-        let mut rolls = without_starts(&rolls(50.0, &SQUARE, turn, &mut draws));
-        for roll in &mut rolls {
-            let gain = Vector3::from_fn(|_, _| draws.normal()) * noise.relative_rotation_std;
-            let samples = roll.samples.iter_mut();
-            samples.for_each(|one| one.rotation += gain * one.rotation.norm());
-        }
-        let [one, other] = [SeriesMethod::Trajectory, SeriesMethod::PadEdge].map(|method| {
-            let places = Places::Pads(SQUARE);
-            let found = estimate_series(method, RADIUS, &places, &noise, &rolls).unwrap();
-            found.curvature.mean_curvature()
-        });
-        apart += (one - other) * 5.0;
-    }
-    // If the fits with few terms did not correct the errors of rotations, the difference would be above 3 %.
-    assert!(apart.abs() < 0.02, "{apart}");
-}
-
-#[test]
-fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
-    let mut draws = Draws(12);
-    let cell = SQUARE;
-    for error in [0.0, 0.003, 0.03] {
-        let (mut held, mut width, trials) = (0, 0.0, 20);
-        for trial in 0..trials {
-            let turn = 0.1 * f64::from(trial);
-            let mut rolls = without_starts(&rolls(25.0, &cell, turn, &mut draws));
-            for roll in &mut rolls {
-                let gain = Vector3::from_fn(|_, _| draws.normal()) * error;
-                roll.samples = roll.samples.iter().step_by(40).copied().collect();
-                for sample in &mut roll.samples {
-                    let drive = Vector2::new(-sample.rotation.y, sample.rotation.x);
-                    let noise = Vector2::from_fn(|_, _| draws.normal()) * 0.005;
-                    let path = drive / (1.0 / RADIUS + 1.0 / 25.0);
-                    sample.place = chart(&Vector2::zeros(), &path) + noise;
-                    sample.rotation += gain * sample.rotation.norm();
-                    sample.rotation.z = 0.0;
-                }
-            }
-            let places = Places::Contacts { std: 0.0 };
-            let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
-            let found = found.unwrap();
-            assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
-            let [low, high] = found.interval95(Quantity::Mean).map(Option::unwrap);
-            width += (high - low) * 25.0 / f64::from(trials);
-            held += u32::from(low < 0.04 && 0.04 < high);
-        }
-        assert!(held >= 17, "{error}: {held} of {trials}");
-        // The interval must be only a little wider than for stated noise. With stated noise, the relative standard
-        // error is `error` · (1 + 25 / 10) / 4, plus the error due to the contact points.
-        assert!(width < 0.012 + 5.5 * error, "{error}: {width}");
-    }
-}
-
-#[test]
-fn trajectories_are_found_from_exact_pads() {
-    let mut draws = Draws(13);
-    let cell = SQUARE;
-    let (mut failed, mut held) = (Vec::new(), 0);
-    for trial in 0..100 {
-        let turn = 6.3 * draws.uniform();
-        let object = 12.0 + 180.0 * draws.uniform();
-        let rolls = without_starts(&rolls(object, &cell, turn, &mut draws));
-        let places = Places::Pads(cell);
-        let found = estimate_series(SeriesMethod::Trajectory, RADIUS, &places, &EXACT, &rolls);
-        let relative = |curvature: f64| (curvature * RADIUS + 1.0) * object / (object + RADIUS);
-        let ends = found.map(|found| found.interval95(Quantity::Mean).map(Option::unwrap));
-        let ends = ends.map(|ends| ends.map(relative));
-        held += u32::from(
-            ends.as_ref()
-                .is_ok_and(|[low, high]| (*low..*high).contains(&1.0)),
-        );
-        if !ends.is_ok_and(|[low, high]| low > 0.98 && high < 1.02) {
-            failed.push(trial);
-        }
-    }
-    assert_eq!(failed, []);
-    assert!(held >= 90, "{held}");
-}
-
-#[test]
 fn a_roll_that_contradicts_the_others_is_left_out() {
-    let cell = SQUARE;
-    let sound = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
+    let sound = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(3)));
     let turned = |factor: f64| {
         let mut rolls = sound.clone();
         let samples = rolls[5].samples.iter_mut();
@@ -477,8 +275,7 @@ fn a_roll_that_contradicts_the_others_is_left_out() {
         (far(1000..=1000), trajectory, EXACT),
         (far(1000..=1000), pad_edge, noisy),
     ] {
-        let places = Places::Pads(cell);
-        let found = estimate_series(method, RADIUS, &places, &noise, &rolls).unwrap();
+        let found = on_squares(method, &noise, &rolls).unwrap();
         let left_out = found.rolls.iter().map(|roll| roll.left_out);
         let named: Vec<_> = left_out
             .enumerate()
@@ -493,12 +290,8 @@ fn a_roll_that_contradicts_the_others_is_left_out() {
 
 #[test]
 fn bad_series_are_named() {
-    let cell = SQUARE;
-    let good = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
-    let places = Places::Pads(cell);
-    let estimate = |rolls: &[RollSeries]| {
-        estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, rolls)
-    };
+    let good = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(3)));
+    let estimate = |rolls: &[RollSeries]| on_squares(SeriesMethod::PadEdge, &EXACT, rolls);
     let changed = |change: &dyn Fn(&mut Vec<RollSeries>)| {
         let mut rolls = good.clone();
         change(&mut rolls);
@@ -567,8 +360,7 @@ fn noise_of_contacts_widens_the_bounds() {
 
 #[test]
 fn gaps_and_chatter_do_not_bias() {
-    let cell = SQUARE;
-    let mut rolls = without_starts(&rolls(47.0, &cell, 0.3, &mut Draws(3)));
+    let mut rolls = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(3)));
     for roll in &mut rolls {
         // For 3 ms after each crossing from one pad to the next, the samples alternate between the two pads.
         let places: Vec<_> = roll.samples.iter().map(|sample| sample.place).collect();
@@ -580,8 +372,7 @@ fn gaps_and_chatter_do_not_bias() {
         roll.samples
             .retain(|sample| (sample.time_s * 1000.0).round() as u32 % 97 > 2);
     }
-    let places = Places::Pads(cell);
-    let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls).unwrap();
+    let found = on_squares(SeriesMethod::PadEdge, &EXACT, &rolls).unwrap();
     assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
     let [low, high] = found.bounds(Quantity::Mean).unwrap();
     assert!(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
@@ -607,8 +398,7 @@ fn long_chatter_at_an_uneven_speed_ends() {
         rotation_std_rad: 1e-4,
         ..EXACT
     };
-    let places = Places::Pads(SQUARE);
-    let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &noise, &rolls);
+    let found = on_squares(SeriesMethod::PadEdge, &noise, &rolls);
     let [low, high] = found.unwrap().interval95(Quantity::Mean);
     assert!(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
 }
@@ -626,8 +416,7 @@ fn rolls_that_turn_back_have_intervals_that_hold() {
             let times = samples.iter_mut().zip(0..);
             times.for_each(|(sample, time)| sample.time_s = f64::from(time));
         }
-        let places = Places::Pads(SQUARE);
-        let found = estimate_series(SeriesMethod::PadEdge, RADIUS, &places, &EXACT, &rolls);
+        let found = on_squares(SeriesMethod::PadEdge, &EXACT, &rolls);
         let [low, high] = found.unwrap().interval95(Quantity::Mean);
         held += u32::from(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
     }
