@@ -271,15 +271,13 @@ impl PadEdgeSet {
                 roll.rotations.path(&shape, &Vector2::zeros(), &mut path)?;
                 Some(path)
             };
-            let nearby: Option<Vec<_>> = match roll.rotations.is_spun() {
-                true => (0..3).map(changed).collect(),
-                false => None,
-            };
+            let unknowns = 0..if roll.rotations.is_spun() { 3 } else { 0 };
+            let nearby: Vec<_> = unknowns.map(changed).collect::<Option<_>>()?;
             let row = |&(edge, offset, at): &(usize, f64, usize)| {
                 let place = frame.place(&path[at]);
                 let by_drive = place.by_path * path[at].mobility;
                 let mut slopes = slopes_at::<3>(shape, &path[at].x, &place.by_path, &by_drive);
-                for (unknown, path) in nearby.iter().flatten().enumerate() {
+                for (unknown, path) in nearby.iter().enumerate() {
                     let change = frame.place(&path[at]).place - place.place;
                     slopes.set_column(unknown, &(change / STEP));
                 }

@@ -129,24 +129,25 @@ impl SeriesEstimate {
     }
 
     /// The weighted mean of estimates. Its covariance includes the differences between the estimates. All other parts
-    /// are those of the first estimate.
-    pub(crate) fn mean(weighted: &[(f64, &Self)]) -> Self {
-        let total: f64 = weighted.iter().map(|(weight, _)| weight).sum();
-        let mut mean = Vector3::zeros();
-        for (weight, one) in weighted {
-            mean += one.entries() * (weight / total);
-        }
-        let mut covariance = Matrix3::zeros();
-        for (weight, one) in weighted {
+    /// are those of the first estimate. `None` if there are no estimates.
+    pub(crate) fn mean<'e>(
+        weighted: impl Iterator<Item = (f64, &'e Self)> + Clone,
+    ) -> Option<Self> {
+        let total: f64 = weighted.clone().map(|(weight, _)| weight).sum();
+        let shares = weighted.clone().map(|(weight, one)| (weight / total, one));
+        let parts = shares.clone().map(|(share, one)| one.entries() * share);
+        let mean: Vector3<f64> = parts.sum();
+        let squares = shares.map(|(share, one)| {
             let apart = one.entries() - mean;
-            covariance += (one.covariance_matrix() + apart * apart.transpose()) * (weight / total);
-        }
+            (one.covariance_matrix() + apart * apart.transpose()) * share
+        });
+        let covariance: Matrix3<f64> = squares.sum();
         let [k_uu, k_vv, k_uv] = mean.into();
-        Self {
+        Some(Self {
             curvature: CurvatureForm { k_uu, k_uv, k_vv },
             covariance: [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)])),
-            ..weighted[0].1.clone()
-        }
+            ..weighted.clone().next()?.1.clone()
+        })
     }
 
     /// The entries `k_uu`, `k_vv` and `k_uv` of the curvature form.

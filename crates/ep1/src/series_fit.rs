@@ -252,13 +252,13 @@ impl Problem<'_> {
     fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
-        let covariance = set.covariance;
         if set.is_wide() && set.is_open() {
             return Err(undetermined(self.rolls));
         }
         let ends = self.rolls.iter().filter_map(RollSeries::farthest);
         let paths = ends.map(|last| (mobility * drive_of(&last.rotation)).norm());
         let paths: Vec<f64> = paths.collect();
+        let covariance = set.covariance;
         let set = Uncertainty::Set(Box::new(set));
         Ok(self.result(&shape, covariance, (true, 1), &paths, None, set))
     }

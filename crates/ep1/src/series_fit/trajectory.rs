@@ -22,8 +22,9 @@ const MAX_RATE: f64 = 3.5;
 /// penalty of 2, the intervals would be too narrow if noise hides the change of the curvature.
 const PENALTY: f64 = 1.0;
 /// The polynomial lacks terms of even higher order. Their estimated effect on the curvature is the effect of the fitted
-/// terms, multiplied by the largest relative change of the curvature along the rolls and by this factor.
-const NEXT_TERM: f64 = 0.7;
+/// terms, multiplied by this factor and by the larger of two ratios: the relative change of the curvature along the
+/// rolls, and the square of the likeliest rate times the length of the longest roll.
+const NEXT_TERM: f64 = 0.6;
 /// Largest number of fits, each with the likeliest rate of the fit before.
 const MAX_FITS: usize = 3;
 /// If the curvatures of the fitted and the likeliest rate differ by at most this value (in units of the probe's
@@ -159,15 +160,15 @@ impl Problem<'_> {
                 rate = rates[likeliest];
                 continue;
             }
-            let weighted: Vec<_> = all
-                .iter()
-                .map(|one| (libm::exp(0.5 * (least - one.0)), &one.1))
-                .collect();
-            let mut mean = SeriesEstimate::mean(&weighted);
+            let weight = |criterion: f64| libm::exp(0.5 * (least - criterion));
+            let mut mean = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.1)))?;
             fit.shape = shape;
+            let ends = fit.rolls.iter().map(|roll| roll.end.norm());
+            let turned = rates[likeliest] * ends.fold(0.0, f64::max);
             let share = largest_change(&fit) / shape.relative().norm();
             let constant = self.of_fit(first, 1).entries();
-            mean.widen((mean.entries() - constant) * (NEXT_TERM * share));
+            let share = NEXT_TERM * share.max(turned * turned);
+            mean.widen((mean.entries() - constant) * share);
             return Some(mean);
         }
         None
