@@ -73,8 +73,8 @@ pub struct SeriesEstimate {
     /// readings have noise, it is the inverse of the Fisher information, so that the roots of its diagonal are the
     /// Cramér–Rao bounds.
     pub covariance: [[f64; 3]; 3],
-    /// Number of terms of the fitted polynomial that describes the curvature along a path. It is 1 if the curvature is
-    /// constant.
+    /// Number of terms of a polynomial that describes the curvature along a path. It is 1 if the readings show no change
+    /// of the curvature.
     pub terms: usize,
     /// One report for each roll.
     pub rolls: Vec<RollReport>,
