@@ -377,29 +377,15 @@ impl<'r> GlideFitResult<'r> {
             .flatten()
             .map(|found| stated_noise(stated, &found, unit));
         let stroke = self.stroke.as_ref();
-        let (fitted, distinct, noise, shape) = match &self.surface {
-            Surface::Graph(graph) => {
-                let (method, graph) = &**graph;
-                let is_penalised = matches!(method, GlideFit::Penalised(_));
-                let noise = graph.fit.noise.filter(|_| is_penalised);
-                // If there are copies, use the fitted contacts, which do not contain them.
-                let (fitted, ratio) = match used.readings.distinct == contacts.len() {
-                    true => (contacts, 1.0),
-                    false => (&graph.contacts, graph.noise_ratios[0]),
-                };
-                let noise = noise.map(|noise| noise.position_std * ratio);
-                (fitted, fitted.len(), noise, None)
-            }
-            Surface::Shape(fit) => {
-                let is_chosen = fit.probabilities.is_some() && !fit.is_none_of_these();
-                let noise = is_chosen.then_some(fit.rms_misfit);
-                (contacts, used.readings.distinct, noise, Some(&**fit))
-            }
+        let (fitted, distinct, shape) = match &self.surface {
+            // If there are copies, use the fitted contacts, which do not contain them.
+            Surface::Graph(graph) => match has_copies {
+                true => (&graph.1.contacts, graph.1.contacts.len(), None),
+                false => (contacts, contacts.len(), None),
+            },
+            Surface::Shape(fit) => (contacts, used.readings.distinct, Some(&**fit)),
         };
         let normal = &self.centre.normal;
-        // If the stated noise is too large, it says nothing about the scatter of the contacts.
-        let is_possible = |one: &Warning| one.numbers["stated"] < one.numbers["estimated"];
-        let noise = noise.filter(|_| stated.iter().flatten().all(is_possible));
         let has_side = stroke.is_some() || !self.is_open();
         let side = (has_side && !recorded.has_normals())
             .then(|| assumed_side(shape, stroke, &self.centre.curvature, self.options.outward))
@@ -424,7 +410,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
-            .chain(two_groups(fitted, normal, distinct, noise, unit))
+            .chain(two_groups(fitted, normal, distinct))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
             .chain(misfits)

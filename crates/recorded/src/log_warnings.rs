@@ -2,14 +2,13 @@
 //! determine.
 
 use std::f64::consts::PI;
-use std::ops::Range;
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{DVector, SMatrix, SVector, Vector3};
 use palpate_ep2::{
-    Contact, Curvature, EffectiveReadings, Outlier, OutlierReason, Patch, Sample, Shape, ShapeFit,
-    StrokeCurvature,
+    Contact, Curvature, EffectiveReadings, Method, Outlier, OutlierReason, Patch, Penalised,
+    Sample, Shape, ShapeFit, StrokeCurvature,
 };
-use palpate_statistics::{NORMAL_95, Number, evenly_spaced, ratio_tail};
+use palpate_statistics::{NORMAL_95, Number, evenly_spaced};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
@@ -30,64 +29,50 @@ const MAX_RELATIVE_MISFIT: f64 = 0.2;
 /// this value.
 const MIN_MEAN_COSINE: f64 = 0.93;
 
-/// Smallest gap between two groups of contacts, as a share of the range of all contacts. A gap that is much larger than
-/// the next largest gap may be smaller than this.
-const MIN_GAP: f64 = 0.15;
-/// A gap that is at least this many times as large as the next largest gap counts even if it is smaller than `MIN_GAP`.
-const MIN_CLEAR_GAPS_RATIO: f64 = 3.0;
-/// Smallest ratio of the gap between two groups of contacts to the next largest gap. In a log of strokes, the next
-/// largest gap may be the distance between two strokes.
-const MIN_GAPS_RATIO: f64 = 1.3;
 /// Largest number of contacts with which two groups are compared.
 const MAX_CONTACTS: usize = 300;
-/// Two groups of contacts count as two objects only if the mean square distance of the contacts from a common surface
-/// exceeds that from separate surfaces by this share of the mean square distance of a group from its own plane.
-const MIN_EXCESS: f64 = 0.02;
-/// Two groups of contacts count as two objects only if the p-value of a common surface is below this value. The limit is
-/// small, because surfaces that are no polynomials fit a common polynomial worse than two polynomials.
-const MAX_P_VALUE: f64 = 1e-4;
-/// Largest assumed correlation of successive residuals.
+/// Largest assumed correlation of successive distances.
 const MAX_CORRELATION: f64 = 0.95;
-/// Groups without a gap are tested only if the noise is at least this share of half the side of the patch. Smaller
-/// residuals may be the error of the estimated surface.
+/// Smaller distances of contacts from a surface, as a share of half the side of the patch, are not compared. They may be
+/// the error of the estimated surface.
 const MIN_NOISE: f64 = 1e-3;
-/// Groups without a gap count as two surfaces only if separate quadrics fit better than the estimated surface by this
-/// ratio of standard deviations. Smaller ratios may come from the error of the estimated noise.
-const MIN_QUADRICS_RATIO: f64 = 1.2;
-/// Groups without a gap count as two surfaces only if the logarithm of the likelihood ratio of two quadrics and the
-/// estimated surface is at least this value. It is large because many splits are tried.
-const MIN_LOG_RATIO: f64 = 30.0;
-/// Number of parameters of two quadrics and of the line that separates them.
-const TWO_QUADRICS: f64 = 14.0;
-/// Smallest number of independent contacts, less the parameters of two quadrics.
-const MIN_FREEDOM: f64 = 12.0;
-/// Smallest number of contacts in a group that is fitted by a quadric.
+/// Groups count as two surfaces only if the logarithm of the likelihood ratio of two surfaces and of one surface is at
+/// least this value. It is large because many splits are tried.
+const MIN_LOG_RATIO: f64 = 20.0;
+/// Two surfaces must fit about as closely as the penalised spline: this is the largest ratio of the standard deviations
+/// of the distances.
+const MAX_RATIO: f64 = 1.05;
+/// Largest degree of the polynomials that are compared with two surfaces.
+const MAX_DEGREE: i32 = 7;
+/// Polynomials are compared with two surfaces if their number of terms is at most this share of the number of contacts.
+const MAX_TERMS: f64 = 0.6;
+/// Smallest number of independent contacts with which two groups are compared.
+const MIN_INDEPENDENT: f64 = 26.0;
+/// Smallest number of contacts in a group.
 const MIN_GROUP: usize = 9;
 /// Number of directions along which the contacts are sorted and then split into two groups.
-const LINES: usize = 8;
+const LINES: usize = 16;
 /// Largest number of splits from which a search for two groups starts, for each way of sorting. The contacts are sorted
 /// along `LINES` directions, by their order, and by their fingers.
-const CUTS: usize = 20;
+const CUTS: usize = 6;
 /// Largest number of steps of a search.
 const STEPS: usize = 5;
-/// A group of contacts counts as flat if the p-value of a plane through it is above this value.
-const MIN_FLAT_P_VALUE: f64 = 0.01;
-/// Terms of polynomials, as ranges of the terms in [`residual`].
-const IMPLICIT_QUADRIC: Range<usize> = 0..9;
-const PLANE: Range<usize> = 3..6;
-const QUADRIC: Range<usize> = 3..9;
-const QUADRIC_TERMS: usize = 6;
+/// Coefficients of the terms of an implicit quadric in [`products`]: the terms add up to the height of the surface.
+type Surface = SVector<f64, 9>;
+type Products = SMatrix<f64, 10, 10>;
+/// Surfaces with `N` unknowns: their coefficients are the product of this matrix and of the unknowns.
+type Family<const N: usize> = SMatrix<f64, 9, N>;
+/// Index of the constant term in [`products`].
 const CONSTANT: usize = 3;
-const CUBIC: Range<usize> = 3..13;
-/// Index of the height after the terms of polynomials.
-const HEIGHT: usize = 13;
-type Quadric = SVector<f64, QUADRIC_TERMS>;
-type Products = SMatrix<f64, { HEIGHT + 1 }, { HEIGHT + 1 }>;
+/// Index of the height in [`products`].
+const HEIGHT: usize = 9;
+/// An implicit quadric counts as one smooth graph if the upward component of its gradient, divided by the largest
+/// gradient at a contact, exceeds this value at all contacts. Two planes are a quadric too, but at their edge the
+/// gradient is 0, and on parallel planes it has two directions.
+const MIN_GRADIENT: f64 = 0.3;
 /// A term is left out of a fit if the earlier terms almost reproduce it: if the sum of squares of the rest is at most
 /// this share of the term's sum of squares.
 const RANK_TOLERANCE: f64 = 1e-9;
-/// Smaller sums of squared residuals, in the unit of the patch, are rounding errors.
-const MIN_RESIDUAL: f64 = 1e-12;
 
 /// Text that lists the rows `rows`; if there are many, only the first of them.
 pub(super) fn listed(rows: impl ExactSizeIterator<Item = String>) -> String {
@@ -186,203 +171,239 @@ pub(super) fn across(stroke: &StrokeCurvature, unit: LengthUnit) -> Warning {
     Warning::new("not-resolved-across", text, [])
 }
 
-/// Warning if the contacts form two groups that do not lie on one simple surface. The groups may be separated by a wide
-/// gap along a line. Without a gap, two groups count as two surfaces if two quadrics fit them clearly better than
-/// the estimated surface. `normal` is a normal of this surface. `distinct` is the number of contacts without copies, and
-/// `noise` the standard deviation of the contacts about the estimated surface.
+/// Warning if the contacts form two groups, and two planes, spheres or quadrics fit them clearly better than polynomials,
+/// an implicit quadric and a penalised spline. `normal` is a normal of the estimated surface. `distinct` is the number of
+/// contacts without copies.
 pub(super) fn two_groups(
     contacts: &[Contact],
     normal: &Vector3<f64>,
     distinct: usize,
-    noise: Option<f64>,
-    unit: LengthUnit,
 ) -> Option<Warning> {
     let selection = evenly_spaced(contacts.len(), MAX_CONTACTS);
     let contacts: Vec<Contact> = selection.map(|contact| contacts[contact]).collect();
     let patch = Patch::new(&contacts, normal).ok()?;
-    let (samples, count) = (&patch.samples, contacts.len());
-    let terms: Vec<Products> = samples.iter().map(products).collect();
-    let total: Products = terms.iter().sum();
-    // The contacts are split along lines, by their order, and by their fingers.
+    let terms: Vec<Products> = patch.samples.iter().map(products).collect();
+    let (of_split, distances, unknowns) = best_split(&contacts, &patch.samples, &terms)?;
+    let square: f64 = distances.iter().map(|one| one * one).sum();
+    let count = contacts.len() as f64;
+    // Surfaces follow correlated noise better than independent noise. Therefore count the independent distances, whose
+    // number follows from the correlation of successive distances.
+    let mut order: Vec<usize> = (0..contacts.len()).collect();
+    order.sort_by_key(|&contact| contacts[contact].finger);
+    let pairs = order.windows(2).map(|pair| [pair[0], pair[1]]);
+    let pairs = pairs.filter(|pair| contacts[pair[0]].finger == contacts[pair[1]].finger);
+    let products = pairs.map(|pair| distances[pair[0]] * distances[pair[1]]);
+    let correlation = (products.sum::<f64>() / square).clamp(0.0, MAX_CORRELATION);
+    let share = ((1.0 - correlation) / (1.0 + correlation)).min(distinct as f64 / count);
+    // Two planes are more plausible than a polynomial of a higher degree that bends only between them.
+    let degree = if unknowns == 3 { 2 } else { MAX_DEGREE };
+    let of_one = of_polynomials(&patch.samples, degree).min(of_implicit_quadric(&terms));
+    let log_ratio = |of_one: f64| 0.5 * share * (of_one - of_split);
+    if share * count <= MIN_INDEPENDENT || log_ratio(of_one) <= MIN_LOG_RATIO {
+        return None;
+    }
+    let fit = Penalised::default().fit(&patch).ok()?;
+    let noise = fit.noise?.position_std / patch.frame.scale();
+    // Heights determine a third of the effective degrees of freedom if there are normals, otherwise all.
+    let unknowns = fit.effective_unknowns * count / patch.equations() as f64;
+    let of_fit = information(noise * noise * (count - unknowns).max(0.0), count, unknowns);
+    let log_ratio = log_ratio(of_one.min(of_fit));
+    let is_close = square / (count - 14.0) < (MAX_RATIO * noise).powi(2);
+    (is_close && log_ratio > MIN_LOG_RATIO).then(|| {
+        let text = "two separate surfaces fit the contacts better than one surface: do they belong to two objects, or does the object have an edge or another feature that the estimated surface does not follow?";
+        Warning::new("two-groups", text, [("log_ratio", log_ratio)])
+    })
+}
+
+/// Bayesian information criterion of a surface with `unknowns` parameters, apart from constants: `square` is the sum of
+/// the squares of `number` distances from it, in the unit of the patch.
+fn information(square: f64, number: f64, unknowns: f64) -> f64 {
+    number * libm::log(square / number + MIN_NOISE * MIN_NOISE) + unknowns * libm::log(number)
+}
+
+/// Information criterion of the implicit quadric that fits all contacts best; infinite if it is not a smooth graph.
+fn of_implicit_quadric(terms: &[Products]) -> f64 {
+    let found = surface(&terms.iter().sum(), &Family::<9>::identity());
+    let offsets = |(surface, _)| terms.iter().map(|one| offset(&surface, one)).collect();
+    let offsets: Vec<_> = found.map(offsets).unwrap_or_default();
+    let square = offsets.iter().map(|(distance, _)| distance * distance);
+    match is_graph(offsets.iter().map(|(_, gradient)| gradient)) {
+        true => information(square.sum(), terms.len() as f64, 9.0),
+        false => f64::INFINITY,
+    }
+}
+
+/// Whether a surface is a smooth graph. `gradients` are those at the contacts.
+fn is_graph<'a>(gradients: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> bool {
+    let largest = gradients.clone().map(Vector3::norm).fold(0.0, f64::max);
+    let least = gradients
+        .map(|gradient| gradient.z)
+        .fold(f64::INFINITY, f64::min);
+    least > MIN_GRADIENT * largest && least.is_finite()
+}
+
+/// Smallest information criterion of polynomials of u and v, of at most the degree `largest`.
+fn of_polynomials(samples: &[Sample], largest: i32) -> f64 {
+    let column = |of: &dyn Fn(&Sample) -> f64| -> DVector<f64> {
+        DVector::from_iterator(samples.len(), samples.iter().map(of))
+    };
+    let (mut left, number) = (column(&|one| one.w), samples.len() as f64);
+    let (mut basis, mut best) = (Vec::<DVector<f64>>::new(), f64::INFINITY);
+    for degree in 0..=largest {
+        for power in 0..=degree {
+            let mut term = column(&|one| one.u.powi(power) * one.v.powi(degree - power));
+            let norm = term.norm();
+            for other in &basis {
+                term.axpy(-other.dot(&term), other, 1.0);
+            }
+            if let Some(term) = term.try_normalize(RANK_TOLERANCE.sqrt() * norm) {
+                left.axpy(-term.dot(&left), &term, 1.0);
+                basis.push(term);
+            }
+        }
+        let unknowns = basis.len() as f64;
+        if unknowns <= MAX_TERMS * number {
+            best = best.min(information(left.norm_squared(), number, unknowns));
+        }
+    }
+    best
+}
+
+/// Two groups of contacts, each on its own surface: the information criterion, the distances of the contacts from these
+/// surfaces, and the number of unknowns of a surface.
+type Split = (f64, Vec<f64>, usize);
+
+/// The two groups with the smallest information criterion. Planes, spheres, quadrics, and quadrics with a term w² are
+/// tried. `terms` contains the products of all contacts.
+fn best_split(contacts: &[Contact], samples: &[Sample], terms: &[Products]) -> Option<Split> {
+    let (count, total) = (terms.len(), terms.iter().sum());
+    let mut spheres: Family<4> = graphs(2);
+    (spheres[(6, 0)], spheres[(8, 0)]) = (1.0, 1.0);
+    let quadrics: Family<6> = graphs(3);
+    let mut best = None;
+    let mut search_all = |start: &(Vec<bool>, Products)| {
+        for sign in [1.0, -1.0] {
+            search::<3>(&mut best, start.clone(), sign, &graphs(3), &total, terms);
+            search(&mut best, start.clone(), sign, &spheres, &total, terms);
+            search(&mut best, start.clone(), sign, &quadrics, &total, terms);
+            search::<7>(&mut best, start.clone(), sign, &graphs(2), &total, terms);
+        }
+    };
     let lines = (0..LINES).map(|line| libm::sincos(PI * line as f64 / LINES as f64));
     let along = |(sin, cos)| {
-        samples
-            .iter()
-            .map(|one| one.u * cos + one.v * sin)
-            .collect()
+        let keys = samples.iter().map(|one| one.u * cos + one.v * sin);
+        keys.collect()
     };
     let mut keys: Vec<Vec<f64>> = lines.map(along).collect();
     keys.push((0..count).map(|row| row as f64).collect());
     keys.push(contacts.iter().map(|one| one.finger as f64).collect());
-    let mut widest = 0.0_f64;
-    let mut best = (f64::INFINITY, Vec::new());
-    for (line, keys) in keys.iter().enumerate() {
+    for keys in &keys {
         let mut order: Vec<usize> = (0..count).collect();
         order.sort_by(|one, other| keys[*one].total_cmp(&keys[*other]));
-        let gaps = order.windows(2).map(|pair| keys[pair[1]] - keys[pair[0]]);
-        let gaps: Vec<f64> = gaps.collect();
-        let range: f64 = gaps.iter().sum();
-        let mut sorted = gaps.clone();
-        sorted.sort_unstable_by(|one, other| other.total_cmp(one));
-        let next = sorted.get(1).copied().unwrap_or(0.0);
-        let least_gap = (MIN_GAP * range).min(MIN_CLEAR_GAPS_RATIO * next);
-        let least_gap = least_gap.max(MIN_GAPS_RATIO * next);
-        let (mut is_first, mut sum, mut last) = (vec![false; count], Products::zeros(), 0);
-        for (cut, gap) in (1..).zip(gaps) {
-            is_first[order[cut - 1]] = true;
-            sum += terms[order[cut - 1]];
-            let groups = [(sum, cut), (total - sum, count - cut)];
-            if line < LINES && gap > least_gap && are_two_surfaces(&total, groups, distinct) {
-                widest = widest.max(gap);
+        let (mut start, mut last) = ((vec![false; count], Products::zeros()), 0);
+        let mut least = (f64::INFINITY, start.clone());
+        for (cut, pair) in (1..).zip(order.windows(2)) {
+            start.0[pair[0]] = true;
+            start.1 += terms[pair[0]];
+            if keys[pair[0]] == keys[pair[1]] || cut.min(count - cut) < MIN_GROUP {
+                continue;
             }
-            if cut * CUTS / count > last && gap > 0.0 {
+            let groups = [start.1, total - start.1].map(|sum| surface(&sum, &quadrics));
+            if let [Some((_, one)), Some((_, other))] = groups
+                && one + other < least.0
+            {
+                least = (one + other, start.clone());
+            }
+            if cut * CUTS / count > last {
                 last = cut * CUTS / count;
-                for sign in [1.0, -1.0] {
-                    search(&mut best, is_first.clone(), sum, &total, &terms, sign);
-                }
+                search_all(&start);
             }
         }
+        search_all(&least.1);
     }
-    let scale = patch.frame.scale();
-    if widest > 0.0 {
-        let (gap, unit) = (Number::rounded(scale * widest), unit.as_str());
-        let text = format!(
-            "the contacts form two groups that are {gap} {unit} apart, and no simple surface fits both: do they belong to two objects?"
-        );
-        return Some(Warning::new(
-            "two-groups",
-            text,
-            [("distance", scale * widest)],
-        ));
-    }
-    let (noise, (square, residuals)) = (noise? / scale, best);
-    // Quadrics follow correlated noise better than independent noise. Therefore count the independent residuals, whose
-    // number follows from the correlation of successive residuals.
-    let mut order: Vec<usize> = (0..residuals.len()).collect();
-    order.sort_by_key(|&contact| contacts[contact].finger);
-    let pairs = order.windows(2).map(|pair| [pair[0], pair[1]]);
-    let pairs = pairs.filter(|pair| contacts[pair[0]].finger == contacts[pair[1]].finger);
-    let products = pairs.map(|pair| residuals[pair[0]] * residuals[pair[1]]);
-    let correlation = (products.sum::<f64>() / square).clamp(0.0, MAX_CORRELATION);
-    let independent = count as f64 * (1.0 - correlation) / (1.0 + correlation);
-    let ratio = noise / (square / (count as f64 - TWO_QUADRICS)).sqrt();
-    let freedom = independent - TWO_QUADRICS;
-    let is_clear = noise > MIN_NOISE && ratio > MIN_QUADRICS_RATIO && ratio.is_finite();
-    (is_clear && freedom > MIN_FREEDOM && freedom * libm::log(ratio) > MIN_LOG_RATIO).then(|| {
-        let text = format!(
-            "the contacts scatter {} times as much about the estimated surface as about two separate surfaces: do they belong to two objects, or does the object have an edge or another feature that the estimated surface does not follow?",
-            Number::rounded(ratio)
-        );
-        Warning::new("two-groups", text, [("ratio", ratio)])
-    })
+    best
 }
 
-/// Searches for two groups of contacts, each on its own quadric, from the groups `is_first`. In each step, the contacts
-/// where the quadric of the first group is higher become the first group (lower if `sign` is −1). If a sum of squared
-/// residuals is smaller than that of `best`, it and the residuals become the new `best`. `terms` contains the
-/// products of all contacts, `total` their sum, and `sum` the sum for the first group.
-fn search(
-    best: &mut (f64, Vec<f64>),
-    mut is_first: Vec<bool>,
-    mut sum: Products,
+/// Searches for two groups of contacts, each on its own surface from `family`, from the groups `is_first` with the sum
+/// of products `sum`. In each step, the contacts where the surface of the first group is higher become the first group
+/// (lower if `sign` is −1). If the information criterion is smaller than that of `best`, the groups become the new
+/// `best`. `terms` contains the products of all contacts, and `total` their sum.
+fn search<const N: usize>(
+    best: &mut Option<Split>,
+    (mut is_first, mut sum): (Vec<bool>, Products),
+    sign: f64,
+    family: &Family<N>,
     total: &Products,
     terms: &[Products],
-    sign: f64,
 ) {
+    let (count, mut last) = (terms.len(), f64::INFINITY);
     for _ in 0..STEPS {
         let first = is_first.iter().filter(|one| **one).count();
-        let is_large = first.min(terms.len() - first) >= MIN_GROUP;
-        let quadrics = quadric(&sum).zip(quadric(&(total - sum)));
-        let Some((one, other)) = quadrics.filter(|_| is_large) else {
+        let is_large = first.min(count - first) >= MIN_GROUP;
+        let surfaces = surface(&sum, family).zip(surface(&(total - sum), family));
+        let Some(((one, _), (other, _))) = surfaces.filter(|_| is_large) else {
             return;
         };
-        let residuals = |products: &Products| {
-            let terms = products.fixed_view::<QUADRIC_TERMS, 1>(QUADRIC.start, CONSTANT);
-            [&one, &other].map(|quadric| products[(HEIGHT, CONSTANT)] - quadric.dot(&terms))
-        };
-        let residuals: Vec<[f64; 2]> = terms.iter().map(residuals).collect();
-        let own = residuals.iter().zip(&is_first);
+        let both = |products| [offset(&one, products), offset(&other, products)];
+        let both: Vec<_> = terms.iter().map(both).collect();
+        let own = both.iter().zip(&is_first);
         let own = own.map(|(both, is_first)| both[usize::from(!is_first)]);
-        let square = own.clone().map(|one| one * one).sum::<f64>();
-        if square < best.0 {
-            *best = (square, own.collect());
+        let (distances, gradients): (Vec<f64>, Vec<Vector3<f64>>) = own.unzip();
+        let square = distances.iter().map(|one| one * one).sum();
+        // The line that separates the groups has two parameters.
+        let information = information(square, count as f64, (2 * N + 2) as f64);
+        if information >= last || !is_graph(gradients.iter()) {
+            return;
         }
-        let mut is_steady = true;
-        for ((is_first, both), one) in is_first.iter_mut().zip(&residuals).zip(terms) {
-            let is_next = sign * (both[1] - both[0]) > 0.0;
+        last = information;
+        if best.as_ref().is_none_or(|best| information < best.0) {
+            *best = Some((information, distances, N));
+        }
+        for ((is_first, both), one) in is_first.iter_mut().zip(&both).zip(terms) {
+            let is_next = sign * (both[1].0 - both[0].0) > 0.0;
             if is_next != *is_first {
                 sum += if is_next { *one } else { -*one };
-                (*is_first, is_steady) = (is_next, false);
+                *is_first = is_next;
             }
-        }
-        if is_steady {
-            return;
         }
     }
 }
 
-/// Coefficients of the quadric that fits best. `sums` contains the sums of the contacts' products.
-fn quadric(sums: &Products) -> Option<Quadric> {
-    let mut gram = sums
-        .fixed_view::<QUADRIC_TERMS, QUADRIC_TERMS>(QUADRIC.start, QUADRIC.start)
-        .into_owned();
+/// Surfaces whose unknowns are the coefficients of `N` terms, from the term with the index `first`.
+fn graphs<const N: usize>(first: usize) -> Family<N> {
+    Family::from_fn(|row, column| f64::from(u8::from(row == first + column)))
+}
+
+/// The surface from `family` that fits best, and the sum of the squares of the heights less the surface's terms. `sums`
+/// contains the sums of the contacts' products.
+fn surface<const N: usize>(sums: &Products, family: &Family<N>) -> Option<(Surface, f64)> {
+    let mut gram = family.tr_mul(&(sums.fixed_view::<9, 9>(0, 0) * family));
     let least = RANK_TOLERANCE * gram.trace();
-    (0..QUADRIC_TERMS).for_each(|term| gram[(term, term)] += least);
-    let right = sums.fixed_view::<QUADRIC_TERMS, 1>(QUADRIC.start, HEIGHT);
-    Some(gram.cholesky()?.solve(&right))
+    (0..N).for_each(|term| gram[(term, term)] += least);
+    let right = family.tr_mul(&sums.fixed_view::<9, 1>(0, HEIGHT));
+    let found = gram.cholesky()?.solve(&right);
+    Some((family * found, sums[(HEIGHT, HEIGHT)] - found.dot(&right)))
 }
 
-/// Whether separate quadrics through two groups of contacts fit clearly better than one surface through both groups:
-/// a cubic, or an implicit quadric such as an ellipsoid. These surfaces also follow two planes. So if both groups are
-/// flat, the common surface is a quadric. For each group, `groups` contains the sums of products and the number of
-/// contacts.
-fn are_two_surfaces(all: &Products, groups: [(Products, usize); 2], distinct: usize) -> bool {
-    let count = groups[0].1 + groups[1].1;
-    let [planes, quadrics] =
-        [PLANE, QUADRIC].map(|terms| groups.map(|(sums, _)| residual(&sums, terms.clone())));
-    let are_flat = (0..2).all(|group| {
-        let freedom = groups[group].1.saturating_sub(QUADRIC.len());
-        let excess = planes[group] - quadrics[group];
-        excess <= MIN_RESIDUAL || ratio_tail(excess, 3, quadrics[group], freedom) > MIN_FLAT_P_VALUE
-    });
-    let (together, saved) = match are_flat {
-        true => (residual(all, QUADRIC), QUADRIC.len()),
-        false => (residual(all, CUBIC).min(residual(all, IMPLICIT_QUADRIC)), 3),
-    };
-    let excess = together - quadrics[0] - quadrics[1];
-    let bends = [0, 1].map(|group| planes[group] / groups[group].1 as f64);
-    let freedom = count.min(distinct).saturating_sub(2 * QUADRIC.len());
-    excess > MIN_EXCESS * bends[0].max(bends[1]) * count as f64
-        && excess > MIN_RESIDUAL
-        && ratio_tail(excess, saved, quadrics[0] + quadrics[1], freedom) < MAX_P_VALUE
+/// Distance of a contact above a surface, to first order, and the gradient of the height less the surface's terms.
+/// `products` are the products of the contact.
+fn offset(surface: &Surface, products: &Products) -> (f64, Vector3<f64>) {
+    let terms = products.fixed_view::<9, 1>(0, CONSTANT);
+    let (u, v, w) = (terms[4], terms[5], products[(HEIGHT, CONSTANT)]);
+    let [uw, vw, ww, _, by_u, by_v, uu, uv, vv] = surface.data.0[0];
+    let gradient = Vector3::new(
+        -uw * w - by_u - 2.0 * uu * u - uv * v,
+        -vw * w - by_v - 2.0 * vv * v - uv * u,
+        1.0 - uw * u - vw * v - 2.0 * ww * w,
+    );
+    ((w - surface.dot(&terms)) / gradient.norm(), gradient)
 }
 
-/// Products of the terms of polynomials at a contact, and of its height, which is the last term.
+/// Products of the terms of an implicit quadric at a contact, and of its height, which is the last term.
 fn products(sample: &Sample) -> Products {
     let Sample { u, v, w, .. } = *sample;
-    let [uu, vv] = [u * u, v * v];
-    let implicit = [w * w, u * w, v * w, 1.0, u, v, uu, u * v, vv];
-    let cubic = [uu * u, uu * v, u * vv, vv * v, w];
-    let terms = implicit.into_iter().chain(cubic);
-    let terms = SVector::<f64, { HEIGHT + 1 }>::from_iterator(terms);
+    let terms = SVector::from([u * w, v * w, w * w, 1.0, u, v, u * u, u * v, v * v, w]);
     terms * terms.transpose()
-}
-
-/// Sum of the squared residuals of heights after a least-squares fit of the polynomial whose terms are `terms`. `sums`
-/// contains the sums of the contacts' products.
-fn residual(sums: &Products, terms: Range<usize>) -> f64 {
-    let mut left = *sums;
-    for term in terms.clone() {
-        let pivot = left[(term, term)];
-        let later = || (term + 1..terms.end).chain([HEIGHT]);
-        for row in later().filter(|_| pivot > RANK_TOLERANCE * sums[(term, term)]) {
-            let share = left[(row, term)] / pivot;
-            for column in later().take_while(|&column| column <= row) {
-                left[(row, column)] -= share * left[(column, term)];
-            }
-        }
-    }
-    left[(HEIGHT, HEIGHT)].max(0.0)
 }
 
 /// Warnings about a fitted shape. A single stroke (`is_stroke`) does not bound the radius of the shape.

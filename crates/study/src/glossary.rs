@@ -212,7 +212,7 @@ subjects! {
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
         "left-out": "The fit does not use some readings: lost readings, other outliers, rolls that cannot be used, or surplus samples of very long time series. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
-        "two-groups": "The contacts seem to lie on two surfaces. Palpate warns in two cases. In the first case, a gap separates two groups of contacts, and no simple surface fits both groups. In the second case, two separate surfaces fit the contacts much better than the estimated surface does. The contacts may belong to two objects, or the object may have an edge.";
+        "two-groups": "The contacts seem to lie on two surfaces. Two planes, two spheres or two quadrics fit the contacts much better than one smooth surface does. The contacts may belong to two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
         "too-many-outliers": "More than a fifth of the contacts are lost readings, outliers, or contacts with another object.";
         "none-of-these": "None of the compared shapes fits the contacts. The radius is that of the shape that fits best, and has no interval. The methods `penalised` and `quadric` estimate the curvatures.";
