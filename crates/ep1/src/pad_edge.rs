@@ -238,6 +238,21 @@ impl PadEdgeSet {
         end.is_none_or(|(change, _)| change.amax() > 0.9 * OPEN)
     }
 
+    /// Whether, in some direction, the contact moves against the roll for every mobility (contact travel per radian) of
+    /// the set.
+    pub(crate) fn is_reversed(&self) -> bool {
+        let mut programs = Programs::default();
+        (0..4).any(|at| {
+            let (sin, cos) = libm::sincos(std::f64::consts::FRAC_PI_4 * f64::from(at));
+            let along = Vector2::new(cos, sin);
+            let direction = entries(&(along * along.transpose()));
+            let end = furthest_change(&self.rows, &direction, &mut programs);
+            end.is_some_and(|(change, _)| {
+                direction.dot(&change) <= -along.dot(&(self.centre * along))
+            })
+        })
+    }
+
     /// Whether the standard deviation of the mobility (contact travel per radian) is so large that the set of possible
     /// mobilities may be unbounded.
     pub(crate) fn is_wide(&self) -> bool {

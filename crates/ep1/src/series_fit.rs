@@ -252,6 +252,9 @@ impl Problem<'_> {
     fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
+        if set.is_wide() && set.is_reversed() {
+            return Err(SeriesError::NotRolling);
+        }
         if set.is_wide() && set.is_open() {
             return Err(undetermined(self.rolls));
         }

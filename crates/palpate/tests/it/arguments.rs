@@ -56,7 +56,7 @@ const ROLLS: &str = "
 const GLIDES: &str = "
 --outward 0,0 | 3 numbers, X,Y,Z; has 2
 --outward a,b,c | `a` is not a number
---outward 0,0,1 | only to readings without normals
+--outward 0,0,1 | only with readings without normals
 --gaussian-threshold 0.1 | --mean-threshold
 --gaussian-threshold 0.1 --mean-threshold 1 | below the square of the mean threshold 1
 --gaussian-threshold -1 --mean-threshold 0 | finite and >= 0
@@ -80,14 +80,14 @@ const PRESSES: &str = "
 --sensor-radius 20 --baseline free | free
 --sensor-radius 20 --indentation-std 0.02 | a given --indentation
 --sensor-radius 20 --indentation 20 | less than --sensor-radius, 20
---sensor-radius 20 --thickness 5 | only to --method bonded-layer
+--sensor-radius 20 --thickness 5 | only with --method bonded-layer
 --sensor-radius 20 --method bonded-layer | --thickness is missing, but --method bonded-layer requires it
 --sensor-radius 20 --method bonded-layer --thickness 1 --depth 2 | --depth is 2; it must be at most --thickness, 1
 --sensor-radius 20 --method bonded-layer --thickness 21 | at most --sensor-radius, 20
 --sensor-radius 20 --method bonded-layer --thickness 5 --indentation 6 | less than --thickness, 5
---sensor-radius 20 --method bonded-layer --thickness 5 --poisson 0.4 | only to --method half-space
---sensor-radius 20 --c 1 | only to --method gaussian
---sensor-radius 20 --window 5 | only to --method gaussian
+--sensor-radius 20 --method bonded-layer --thickness 5 --poisson 0.4 | only with --method half-space
+--sensor-radius 20 --c 1 | only with --method gaussian
+--sensor-radius 20 --window 5 | only with --method gaussian
 --sensor-radius 20 --method gaussian --c 1 --gain-std 0.1 | --method half-space or bonded-layer
 --sensor-radius 20 --method gaussian | --c is missing, but --method gaussian requires it, or --indentation
 --like camera.toml | requires frames
