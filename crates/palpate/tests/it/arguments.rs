@@ -176,7 +176,7 @@ fn arguments_are_refused_by_name() {
     desk.palpate("estimate glide g.csv --normal-std-deg 1")
         .fails(2, "readings with normals");
     desk.palpate("estimate press p.csv --sensor-radius 20 --tangential-std 0.1")
-        .fails(2, "readings with");
+        .fails(2, "tangential displacements");
 }
 
 /// Flags of a command whose value is a number, as its `--help` shows.

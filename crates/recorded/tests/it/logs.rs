@@ -231,6 +231,37 @@ fn only_groups_without_a_common_surface_cause_a_warning() {
     }
 }
 
+/// Five strokes without a gap: on two balls, on a ball and a plate, on a roof and on a step; then on smooth surfaces.
+#[test]
+fn touching_objects_cause_a_warning() {
+    let ball = |x: f64, y: f64| (225.0 - x * x - y * y).max(0.0).sqrt();
+    let surfaces: [&dyn Fn(f64, f64) -> f64; 6] = [
+        &|x, y| ball(x.abs() - 10.0, y),
+        &|x, y| (ball(x - 6.0, y) - 9.0).max(0.0),
+        &|x, y| -0.4 * (x + 0.2 * y).abs(),
+        &|x, _| 3.0 * f64::from(u8::from(x > 1.5)),
+        &|x, y| 0.6 * ball(0.9 * x, 0.7 * y),
+        &|x, y| libm::sin(0.25 * x + 0.1 * y),
+    ];
+    for (case, surface) in surfaces.into_iter().enumerate() {
+        let mut noise = Stream::new(53, 0, Channel::Position);
+        let mut text = "finger,x_mm,y_mm,z_mm\n".to_owned();
+        for row in 0..150 {
+            let [x, y] = [row % 30, row / 30].map(f64::from);
+            let [x, y] = [0.7 * x - 10.0, 3.0 * y - 6.0];
+            let z = surface(x, y) + 0.05 * noise.standard_normal();
+            text += &format!("{},{x},{y},{z}\n", row / 30);
+        }
+        let found = estimate(&text, "penalised").unwrap();
+        let expected = case < 4;
+        assert_eq!(
+            codes(&found).contains(&"two-groups"),
+            expected,
+            "{case}: {found}"
+        );
+    }
+}
+
 /// Ten fingers, five on each of two objects at the same place, or all on an object with an edge. If all are on one ball
 /// where they first rest, there is no warning.
 #[test]
