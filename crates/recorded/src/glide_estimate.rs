@@ -23,10 +23,11 @@ use super::glide_report::{
 use super::glide_warnings::{
     FoundNoise, directions, distant, extent, misfit_warnings, normals, spacing, stated_noise,
 };
-use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings, two_groups};
+use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings};
 use super::press_report::Radius;
 use super::reading_table::ExtraColumns;
 use super::shape_report::{LeftOut, ShapeReport, StrokeReport, is_undetermined};
+use super::two_groups::two_groups;
 use super::value::{FORMAT_VERSION, Value, finite};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};

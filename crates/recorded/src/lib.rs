@@ -7,7 +7,7 @@
 //! | columns to readings | `roll_recording`, `glide_recording`, `press_recording`, `calibration` |
 //! | settings, also of a study | `roll_options`, `glide_options`, `press_options`, `study_options` |
 //! | readings to an estimate | `roll_estimate`, `roll_series`, `glide_estimate`, `press_estimate`, `load_curve` |
-//! | warnings | `roll_warnings`, `glide_warnings`, `log_warnings`, `press_warnings`, with the words of `misfit_warning` |
+//! | warnings | `roll_warnings`, `glide_warnings`, `log_warnings`, `two_groups`, `press_warnings`, with the words of `misfit_warning` |
 //! | frames to tracked markers | `frame_pair`, `overlay` |
 //! | tracked markers to an estimate | `camera_reading` by a calibration, `image_estimate` by the markers' images |
 //! | a frame at rest to a camera | `camera_calibration`, `layout_matching`, `nominal_sensor`, `camera_file`, `camera_prior` |
@@ -62,6 +62,7 @@ mod study_options;
 mod table_format;
 mod table_layout;
 mod text_table;
+mod two_groups;
 mod value;
 
 pub use calibration::{
