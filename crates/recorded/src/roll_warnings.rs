@@ -217,7 +217,7 @@ impl RollRecording {
         Some(match wrong.next_back() {
             wrong if median > MAX_USUAL_TURN_RATIO => (
                 format!(
-                    "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}",
+                    "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}; state other units by setting `columns`, such as rotation_x_deg or contact_u_m, and the unit of the radius by setting `length_unit`",
                     shown(median),
                     unit.as_str()
                 ),
