@@ -161,8 +161,8 @@ impl RollRotations {
         !self.steps.is_empty()
     }
 
-    /// Whether the probe spins. If it does, a shift of the contact mixes the spin into the drive, and only differences of
-    /// paths include this effect.
+    /// Whether the probe spins. If it spins, the drive at a contact depends on where the contact is. Only differences
+    /// of paths include this effect.
     pub(crate) fn is_spun(&self) -> bool {
         let mut used = self.rotations.iter().filter(|_| self.has_spin());
         used.any(|one| one.z.abs() > MIN_ANGLE)

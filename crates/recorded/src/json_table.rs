@@ -22,7 +22,7 @@ const MAX_KEYS: usize = 1_000;
 /// Maximum number of fingers whose readings are side by side in a row without a time. A longer list is a series of
 /// readings.
 pub(super) const MAX_FINGERS: usize = 5;
-/// Maximum number of lists and objects within each other. More of them would overflow the stack.
+/// Maximum number of levels of nested lists and objects. More levels would overflow the stack.
 const MAX_DEPTH: isize = 100;
 /// Maximum number of components of a vector or a quaternion.
 const MAX_COMPONENTS: usize = 4;
@@ -77,7 +77,9 @@ impl<'a> JsonTable<'a> {
             depth > MAX_DEPTH
         });
         if is_deep {
-            return Err(file.error(format!("is nested by more than {MAX_DEPTH} levels")));
+            return Err(file.error(format!(
+                "has more than {MAX_DEPTH} levels of nested lists and objects"
+            )));
         }
         match serde_json::from_str(text.all) {
             Ok(Object(members)) => table.read_object(file, text, members)?,

@@ -213,8 +213,8 @@ impl ReadingTable {
         Ok(all)
     }
 
-    /// Leaves out spare rows until at most three quarters of [`MAX_DENSE_ROWS`] rows remain. Of the spare rows, about one in
-    /// `stride` remains. If too many rows remain, `stride` is doubled.
+    /// Removes spare rows until at most three quarters of [`MAX_DENSE_ROWS`] rows remain. About one spare row in
+    /// `stride` remains; `stride` is doubled until few enough rows remain.
     fn thin(&mut self, stride: &mut usize, is_spare: impl Fn([&[f64]; 3]) -> bool) {
         while *stride < MAX_ROWS {
             let rows: Vec<&[f64]> = self.numbers.chunks_exact(self.columns).collect();

@@ -16,7 +16,7 @@ use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MAX_TERMS, coefficients};
 const RATIO: f64 = 1.5;
 /// Number of rates that are smaller than the curvature. With the smallest of them, the curvature is nearly constant.
 const SMALLER_RATES: i32 = 4;
-/// Upper limit of the rates, in units of the curvature; but at least this number of inverse radii of the probe.
+/// Largest rate, in units of the curvature of the object or of the probe, whichever is larger.
 const MAX_RATE: f64 = 3.5;
 /// Penalty for each parameter that the readings determine, in the criterion that weights the rates. With Akaike's
 /// penalty of 2, the intervals would be too narrow if noise hides the change of the curvature.

@@ -146,7 +146,7 @@ fn trajectories_have_no_other_bias_than_pad_edges() {
         });
         apart += (one - other) * 5.0;
     }
-    // If the fits with few terms did not correct the errors of rotations, the difference would be above 3 %.
+    // Without the correction for errors of rotations, the difference would exceed 3 %.
     assert!(apart.abs() < 0.02, "{apart}");
 }
 
