@@ -179,9 +179,9 @@ impl<'a> CameraPrior<'a> {
                 Number::rounded(square)
             );
         }
-        let remedy = compressed(rest).unwrap_or_else(|| {
-            "calibrate the camera with this frame by `sensor calibrate`".to_owned()
-        });
+        let calibrate = "calibrate the camera with this frame by `sensor calibrate`";
+        let of_format = |cause| format!("{cause}, or {calibrate}");
+        let remedy = compressed(rest).map_or(calibrate.to_owned(), of_format);
         if is_alone || square > MAX_CHI_SQUARED {
             let message = format!("contradicts the frame at rest: {difference}; {remedy}");
             return Err(RecordedError::readings(
