@@ -281,7 +281,7 @@ impl<'a> JsonTable<'a> {
         Ok(())
     }
 
-    /// Fields of a row whose values are not those of the table's columns in the same order.
+    /// Fields of a row that lacks columns of the table, has other columns, or has them in another order.
     fn irregular(
         &self,
         file: &RecordedFile,

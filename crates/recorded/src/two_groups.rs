@@ -17,8 +17,8 @@ const MAX_CORRELATION: f64 = 0.95;
 /// Smaller distances of contacts from a surface, as a share of half the side of the patch, are not compared. They may be
 /// the error of the estimated surface.
 const MIN_NOISE: f64 = 1e-3;
-/// Groups count as two surfaces only if the logarithm of the likelihood ratio of two surfaces and of one surface is at
-/// least this value. It is large because many splits are tried.
+/// Groups count as two surfaces only if the logarithm of the likelihood ratio of two surfaces to one surface exceeds
+/// this value. It is large because many splits are tried.
 const MIN_LOG_RATIO: f64 = 20.0;
 /// Two surfaces must fit about as closely as the penalised spline: this is the largest ratio of the standard deviations
 /// of the distances.
@@ -33,8 +33,8 @@ const MIN_INDEPENDENT: f64 = 26.0;
 const MIN_GROUP: usize = 9;
 /// Number of directions along which the contacts are sorted and then split into two groups.
 const LINES: usize = 16;
-/// Largest number of splits from which a search for two groups starts, for each way of sorting. The contacts are sorted
-/// along `LINES` directions, by their order, and by their fingers.
+/// The contacts are sorted along `LINES` directions, by their order and by their fingers. This is the largest number of
+/// searches that start from splits of each of these sequences.
 const CUTS: usize = 6;
 /// Largest number of steps of a search.
 const STEPS: usize = 5;
@@ -117,7 +117,7 @@ fn of_implicit_quadric(terms: &[Products]) -> f64 {
     }
 }
 
-/// Whether a surface is a smooth graph. `gradients` are those at the contacts.
+/// Whether a surface is a smooth graph (one height per place). `gradients` are its gradients at the contacts.
 fn is_graph<'a>(gradients: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> bool {
     let largest = gradients.clone().map(Vector3::norm).fold(0.0, f64::max);
     let least = gradients

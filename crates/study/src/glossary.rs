@@ -210,7 +210,7 @@ subjects! {
         "grid-beyond-contacts": "The grid of a glide extends beyond the contacts, so the fit is extrapolated there.";
         "flat-object": "The object is so flat that rounding errors of double precision change its curvature noticeably.";
         "few-crossings": "The contact of a roll crosses few edges of pads. Only the bounds of the curvature are meaningful: the estimate is the middle of the wide range between them.";
-        "left-out": "The fit does not use some readings: lost readings, other outliers, rolls that cannot be used, or surplus samples of very long time series. The key `left_out` lists them: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
+        "left-out": "The fit does not use some readings: lost readings, other outliers, rolls that cannot be used, or surplus rows of very long tables. The key `left_out` lists these readings, except for surplus rows: `row` in the readings, `line` in the file, and `reason` (`sentinel`, `zeros`, `far` or `misfit`).";
         "not-resolved-across": "The contacts lie along one stroke, or all rolls have the same direction. The readings determine the curvature along this direction, but not across it.";
         "two-groups": "The contacts seem to lie on two surfaces. Two planes, two spheres or two quadrics fit the contacts much better than one smooth surface does. The contacts may belong to two objects, or the object may have an edge.";
         "uncertain-shape": "Two shapes fit the contacts about equally well. Record more contacts over a larger part of the object.";
@@ -221,7 +221,7 @@ subjects! {
         "assumed-side": "The contacts have no normals, so the outer side of the object is assumed. The sign of the curvature depends on this assumption. For a single stroke, the magnitude of the curvature also depends on it. State the outer side with `--outward`, or record normals.";
         "assumed-indentation-std": "The indentation is stated without a standard deviation, so a standard deviation of 2 % is assumed.";
         "unstated-depth": "The depth of the markers is not stated; they are assumed to lie at the surface.";
-        "offset": "Warning about presses: an offset that is common to all normal displacements explains the readings better. Use `--baseline fitted`.";
+        "offset": "Warning about presses: a fit with an offset that is common to all normal displacements explains the readings much better than the fit without it. Use `--baseline fitted`.";
         "clipped": "Warning about presses: several markers have exactly the largest displacement. Perhaps the sensor measures no larger ones.";
         "swapped-columns": "The displacements along the skin fit better with their columns swapped or their sign changed.";
         "lone-marker": "Only one marker shows the contact.";

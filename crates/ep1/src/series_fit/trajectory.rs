@@ -16,7 +16,7 @@ use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MAX_TERMS, coefficients};
 const RATIO: f64 = 1.5;
 /// Number of rates that are smaller than the curvature. With the smallest of them, the curvature is nearly constant.
 const SMALLER_RATES: i32 = 4;
-/// Largest rate, in units of the curvature of the object or of the probe, whichever is larger.
+/// Largest rate, divided by the curvature of the object or of the probe, whichever is larger.
 const MAX_RATE: f64 = 3.5;
 /// Penalty for each parameter that the readings determine, in the criterion that weights the rates. With Akaike's
 /// penalty of 2, the intervals would be too narrow if noise hides the change of the curvature.
@@ -50,8 +50,8 @@ struct Candidate {
 impl Problem<'_> {
     /// The estimate, and the roll that contradicts the other rolls most. `first` is the fit of a constant curvature.
     ///
-    /// Fits without priors, and with different numbers of terms, determine the reported number of terms, the noise and
-    /// the outlier. Akaike's information criterion selects one of them.
+    /// Polynomials with one to three terms are fitted without priors. Akaike's information criterion selects one of
+    /// these fits, which determines the reported number of terms, the noise and the outlier.
     pub(super) fn trajectory(
         &mut self,
         data: &[RollData],
