@@ -1,17 +1,18 @@
-//! Rolls in which the shift of the contact was not measured. For such a lost reading, the drivers of some sensors write
-//! zeros or a large number.
+//! Rolls, and samples of rolls, in which the place of the contact was not measured. For such a lost reading, the
+//! drivers of some sensors write zeros or another fixed number.
 
 use std::f64::consts::PI;
 
 use nalgebra::Vector2;
-use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise};
+use palpate_ep1::{LeastSquares, ProbeReading, ReadingNoise, RollSample, RollSeries};
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 
 use super::error::RecordedError;
+use super::log_warnings::listed;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
-use super::roll_series::LeftOutProbe;
+use super::roll_series::{LeftOutProbe, SeriesReadings};
 use super::single_direction::single_direction;
 
 /// A measured contact shift of zero counts as a lost reading if the other rolls contradict it: they predict a shift
@@ -21,6 +22,11 @@ const MIN_RESIDUALS: f64 = 8.0;
 /// needed because files contain rounded numbers.
 const ROUNDING: f64 = 1e-6;
 const MAX_SHARE: f64 = 0.2;
+/// A contact counts as lost if its distance from the contacts before and after it exceeds this multiple of the longest
+/// step between samples, for each sampling period between them.
+const MAX_STEPS: f64 = 3.0;
+/// Least such step, relative to the probe's radius.
+const MIN_STEP: f64 = 0.01;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Loss {
@@ -138,6 +144,105 @@ impl RollRecording {
         self.source
             .fail(units.map_or(text.clone(), |(more, _)| format!("{text}; {more}")))
     }
+}
+
+impl RollRecording {
+    /// Leaves out the samples of time series in which the contact was lost, and returns a warning text; `None` if no
+    /// sample was lost.
+    ///
+    /// # Errors
+    /// [`RecordedError::Readings`] if more than a fifth of the samples would be left out.
+    pub(super) fn leave_out_lost_samples(
+        &mut self,
+        probe_radius: f64,
+    ) -> Result<Option<String>, RecordedError> {
+        let Some(series) = &self.series else {
+            return Ok(None);
+        };
+        let half_way = PI * probe_radius * (1.0 + 1e-9);
+        // A pad may have the number of a lost contact as well, so only contact points are searched for numbers.
+        let contacts = series.rolls.iter().filter(|_| !series.has_pads);
+        let numbers = contacts.flat_map(|roll| numbers_of_lost(roll, MIN_STEP * probe_radius));
+        let mut numbers: Vec<f64> = numbers.collect();
+        numbers.sort_by(f64::total_cmp);
+        numbers.dedup();
+        let is_number = |at: f64| numbers.binary_search_by(|one| one.total_cmp(&at)).is_ok();
+        let is_lost = |RollSample { place, .. }: &RollSample| {
+            place.norm() > half_way || (place.x == place.y && is_number(place.x))
+        };
+        let rolls = || series.rolls.iter().enumerate();
+        let samples =
+            rolls().flat_map(|(roll, series)| series.samples.iter().map(move |one| (roll, one)));
+        let lost: Vec<(usize, RollSample)> = samples
+            .filter(|(_, one)| is_lost(one))
+            .map(|(roll, one)| (roll, *one))
+            .collect();
+        let total: usize = rolls().map(|(_, roll)| roll.samples.len()).sum();
+        let at = |(roll, sample): &(usize, RollSample)| {
+            format!(
+                "probe {} after {} s",
+                self.probe(*roll),
+                Number::rounded(sample.time_s)
+            )
+        };
+        let Some(first) = lost.first() else {
+            return Ok(None);
+        };
+        let [u, v] = first.1.place.map(Number).into();
+        let count = format!("{} of {total} samples", lost.len());
+        if lost.len() as f64 > MAX_SHARE * total as f64 {
+            return Err(self.source.fail(format!(
+                "{}: the contact ({u}, {v}) is far from the contacts before and after it, or from the probe; {count} have such lost readings: check the units, or leave these samples out",
+                at(first)
+            )));
+        }
+        let text = format!(
+            "{count} are left out because their contacts were lost, the first one at ({u}, {v}): {}",
+            listed(lost.iter().map(at))
+        );
+        let mut kept = series.clone();
+        for roll in &mut kept.rolls {
+            roll.samples.retain(|sample| !is_lost(sample));
+        }
+        let rolls = 0..kept.rolls.len();
+        let rolls: Vec<usize> = rolls
+            .filter(|&roll| !kept.rolls[roll].samples.is_empty())
+            .collect();
+        self.series = Some(kept);
+        self.keep(&rolls);
+        self.readings = self.series.iter().flat_map(SeriesReadings::ends).collect();
+        Ok(Some(text))
+    }
+}
+
+/// Numbers that stand for lost contacts in `roll`: both coordinates of some contacts are equal to this number, and these
+/// contacts are far from the contacts before and after them. `min_step` is the least accepted step between samples.
+fn numbers_of_lost(roll: &RollSeries, min_step: f64) -> Vec<f64> {
+    let samples = &roll.samples;
+    let is_doubtful = |at: &usize| samples[*at].place.x == samples[*at].place.y;
+    let doubtful: Vec<usize> = (0..samples.len()).filter(is_doubtful).collect();
+    let (Some(first), Some(last), false) = (samples.first(), samples.last(), doubtful.is_empty())
+    else {
+        return Vec::new();
+    };
+    let period = (last.time_s - first.time_s) / (samples.len() - 1) as f64;
+    let sound: Vec<usize> = (0..samples.len()).filter(|at| !is_doubtful(at)).collect();
+    let distance = |one: usize, other: usize| (samples[one].place - samples[other].place).norm();
+    let steps = sound.windows(2).filter(|pair| pair[1] == pair[0] + 1);
+    let longest = steps
+        .map(|pair| distance(pair[0], pair[1]))
+        .fold(min_step, f64::max);
+    let is_jump = |one: usize, other: usize| {
+        let periods = (samples[one].time_s - samples[other].time_s).abs() / period;
+        distance(one, other) > MAX_STEPS * longest * periods.max(one.abs_diff(other) as f64)
+    };
+    let is_lost = |at: &usize| {
+        let next = sound.partition_point(|sound| sound < at);
+        let near = &sound[next.saturating_sub(1)..sound.len().min(next + 1)];
+        !near.is_empty() && near.iter().all(|other| is_jump(*at, *other))
+    };
+    let lost = doubtful.into_iter().filter(is_lost);
+    lost.map(|at| samples[at].place.x).collect()
 }
 
 /// Pitch of square pads, found from the components of the contact shifts. It is the smallest component that is not 0,

@@ -59,6 +59,8 @@ pub struct RollEstimate {
     pub(super) repeated: Option<String>,
     /// Rolls that were left out because their readings were lost.
     lost: Vec<LeftOutProbe>,
+    /// Warning text about samples that were left out because their contacts were lost.
+    pub(super) lost_samples: Option<String>,
     probes: usize,
     /// The result of a method for time series; `None` for least squares.
     pub(super) series: Option<SeriesResult>,
@@ -372,6 +374,7 @@ pub fn estimate_roll(
         _ => None,
     };
     let unit = recorded.source.unit(recorded.unit, options.length_unit)?;
+    let lost_samples = recorded.leave_out_lost_samples(options.probe_radius)?;
     let lost = match is_of_ends {
         true => recorded.leave_out_lost(options, unit)?,
         false => Vec::new(),
@@ -415,6 +418,7 @@ pub fn estimate_roll(
             },
             repeated,
             lost,
+            lost_samples,
             probes,
             series: Some(series),
             single_direction: None,
@@ -441,6 +445,7 @@ pub fn estimate_roll(
         return Ok(RollEstimate {
             repeated: Some(text),
             lost,
+            lost_samples,
             probes,
             ..estimate_roll(merged, options)?
         });
@@ -482,6 +487,7 @@ pub fn estimate_roll(
         std_from,
         repeated,
         lost,
+        lost_samples,
         probes,
         series: None,
     })

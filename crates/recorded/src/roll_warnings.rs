@@ -89,6 +89,7 @@ impl RollEstimate {
         Warning::of("units", units.map(|(text, _)| text))
             .into_iter()
             .chain(directed.map(DirectedCurvature::warning))
+            .chain(Warning::of("left-out", self.lost_samples.clone()))
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(Warning::of("poor-fit", self.common_rotation()))

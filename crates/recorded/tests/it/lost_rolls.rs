@@ -85,3 +85,54 @@ fn coarse_pads_may_report_zero() {
         assert_eq!(found["left_out"], Value::Array(vec![]), "{pitch}");
     }
 }
+
+/// Six rolls as time series, with a contact that moves by 0.05 mm per sample. The contacts of the samples `lost` are
+/// replaced by `value`.
+fn series(lost: &[usize], value: &str) -> String {
+    let mut stream = Stream::new(26, 0, Channel::WristContact);
+    let mut text =
+        "probe,time_s,rotation_x_rad,rotation_y_rad,contact_u_mm,contact_v_mm\n".to_owned();
+    for row in 0..306 {
+        let (roll, sample) = (row / 51, (row % 51) as f64);
+        let (sine, cosine) = libm::sincos(roll as f64 + 0.2);
+        let turn = 0.01 * sample;
+        let at = [cosine, sine].map(|part| {
+            0.3 + turn / (1.0 / 10.0 + 1.0 / 25.0) * part + 0.01 * stream.standard_normal()
+        });
+        let at = match lost.contains(&row) {
+            true => format!("{value},{value}"),
+            false => format!("{},{}", at[0], at[1]),
+        };
+        let time = 0.01 * sample;
+        text += &format!("{roll},{time},{},{},{at}\n", turn * sine, -turn * cosine);
+    }
+    text
+}
+
+/// A sample that starts or ends a roll matters most, because least squares uses only these samples.
+#[test]
+fn lost_samples_are_left_out_and_named() {
+    assert_eq!(
+        estimate(series(&[], "")).unwrap()["warnings"],
+        Value::Array(vec![])
+    );
+    let lost = [0, 50, 70, 71, 152, 305];
+    for value in ["0", "-1", "9999"] {
+        let found = estimate(series(&lost, value)).unwrap();
+        let curvature = found["mean_curvature"]["value"].as_f64().unwrap();
+        assert!((curvature - 0.04).abs() < 0.001, "{found}");
+        let warning = &found["warnings"][0];
+        assert_eq!(warning["code"], "left-out");
+        let text = warning["text"].as_str().unwrap();
+        assert!(
+            text.starts_with("6 of 306 samples") && text.contains("probe 1 after 0.19 s"),
+            "{text}"
+        );
+    }
+    let many: Vec<usize> = (0..306).step_by(4).collect();
+    let error = estimate(series(&many, "0")).unwrap_err();
+    assert!(
+        error.contains("77 of 306 samples have such lost readings"),
+        "{error}"
+    );
+}
