@@ -47,7 +47,9 @@ pub(super) fn curvature_interval(
     if noise_share >= 1.0 {
         return None;
     }
-    let grams = &solution.equations.grams;
+    let mut grams = solution.equations.grams;
+    let excess = solution.excess_across_axis();
+    grams[1] += (grams[1] - solution.equations.axial_gram * 2.0) * excess;
     let weights = solution.weights();
     let [distances, normals] = [0, 1].map(|kind| {
         grams[kind] * (lack.correlations[kind] * weights[kind].powi(2) * solution.variances[kind])

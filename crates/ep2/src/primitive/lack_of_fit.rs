@@ -237,26 +237,15 @@ fn tested(
     // If the normals scatter less than the fit assumes, the fit gives them too little weight, so their residuals are
     // not independent. Only distances are tested in this case, too.
     let is_exact = solution.weights()[1] * solution.variances[1] < MIN_NORMALS_VARIANCE;
-    let kinds = if is_line || is_exact || cloud.normals.is_empty() {
-        1
-    } else {
-        4
-    };
-    let of_normals = if kinds > 1 {
-        counts[1] / correlations[1]
-    } else {
-        0.0
+    let (kinds, of_normals) = match is_line || is_exact || cloud.normals.is_empty() {
+        true => (1, 0.0),
+        false => (4, counts[1] / correlations[1]),
     };
     let equations = counts[0] / correlations[0] + of_normals;
     let basis = Basis::new(pose, cloud, equations);
     let terms = basis.exponents.len();
-    // On a cylinder, errors of positions change only the component of the expected normal across the axis. Relative to
-    // the mean variance V of the two components, the variance along the axis is V (1 − `of_axis`), and across the axis
-    // V (1 + `of_axis`).
-    let (share, of_axis) = match (solution.bending_share(), pose.shape) {
-        (share, Shape::Cylinder) => (2.0 * share / (1.0 + share), share),
-        (share, _) => (share, 0.0),
-    };
+    let (share, of_axis) = (solution.bending_share(), solution.excess_across_axis());
+    let share = (share + of_axis) / (1.0 + of_axis);
     let mut rows = Rows {
         pose,
         cloud,

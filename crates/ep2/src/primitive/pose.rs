@@ -239,14 +239,8 @@ impl Pose {
     }
 
     pub(super) fn reversed(&self) -> Self {
-        let curvature = -self.curvature;
-        Self::new(
-            self.shape,
-            self.point,
-            -self.axis(2),
-            self.axis(0),
-            curvature,
-        )
+        let (normal, axis) = (-self.axis(2), self.axis(0));
+        Self::new(self.shape, self.point, normal, axis, -self.curvature)
     }
 
     #[inline]
@@ -270,6 +264,8 @@ impl Deviation {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
     pub(super) grams: [Gram; 2],
+    /// The part of the second of `grams` that is due to the components of normals along the pose's first axis.
+    pub(super) axial_gram: Gram,
     pub(super) gradients: [Row; 2],
     pub(super) squares: [f64; 2],
     /// Number of summed deviations: of distances, and of components of normals.
@@ -280,6 +276,7 @@ impl Equations {
     pub(super) fn new(pose: &Pose, cloud: &Cloud) -> Self {
         let mut all = Self {
             grams: [Gram::zeros(); 2],
+            axial_gram: Gram::zeros(),
             gradients: [Row::zeros(); 2],
             squares: [0.0; 2],
             counts: [cloud.places.len() as f64, 2.0 * cloud.normals.len() as f64],
@@ -293,6 +290,8 @@ impl Equations {
             if with_normals {
                 let left = pose.in_axes(&cloud.normals[index]) - one.normal;
                 all.grams[1] += one.normal_gram();
+                let axial = one.normal_rows.row(0);
+                all.axial_gram += axial.transpose() * axial;
                 all.gradients[1] += one.normal_rows.transpose() * left;
                 all.squares[1] += left.norm_squared();
             }

@@ -254,14 +254,11 @@ pub(super) fn solve(
             variances[1] = variances[1].max(variances[0] / MAX_VARIANCE_RATIO);
         }
         let left = [0, 1].map(|kind| left[kind] / correlations[kind]);
-        let is_complete = (0..2).all(|kind| {
-            stated[kind].is_some() || equations.counts[kind] == 0.0 || left[kind] >= 0.5
-        });
-        let freedom = if (0..2).all(|kind| stated[kind].is_some() || equations.counts[kind] == 0.0)
-        {
-            1e9
-        } else {
-            left[0].max(0.0) + left[1].max(0.0)
+        let is_given = |kind: usize| stated[kind].is_some() || equations.counts[kind] == 0.0;
+        let is_complete = (0..2).all(|kind| is_given(kind) || left[kind] >= 0.5);
+        let freedom = match (0..2).all(is_given) {
+            true => 1e9,
+            false => left[0].max(0.0) + left[1].max(0.0),
         };
         // The variances have changed since the pose was fitted, so compute the normal equations again.
         let gram = weights_at(&pose, variances).gram(&pose, &equations);
@@ -322,6 +319,16 @@ impl Solution {
         let [sensor, slope] = Weights::new(&self.pose, self.variances).normals;
         let bending = slope * self.pose.curvature * self.pose.curvature;
         bending / (sensor + bending)
+    }
+
+    /// On a cylinder, errors of positions change only the component of the expected normal across the axis. Let V be the
+    /// mean variance of the two components and e the result. The variance along the axis is V (1 − e), and across the
+    /// axis V (1 + e). The result is 0 for other shapes.
+    pub(super) fn excess_across_axis(&self) -> f64 {
+        match self.pose.shape {
+            Shape::Cylinder => self.bending_share(),
+            _ => 0.0,
+        }
     }
 
     /// The fitted shape without the bias of noisy positions. Errors of a position along a curved surface move it outward
