@@ -18,9 +18,11 @@ use super::single_direction::single_direction;
 /// A measured contact shift of zero counts as a lost reading if the other rolls contradict it: they predict a shift
 /// that is larger than this value times their root mean square residual.
 const MIN_RESIDUALS: f64 = 8.0;
-/// Relative tolerance in the test whether the shifts of the contacts are multiples of the pads' pitch. A tolerance is
-/// needed because files contain rounded numbers.
+/// Tolerance, relative to the longest shift, in the search for a common step of all shifts. A tolerance is needed because
+/// files contain rounded numbers.
 const ROUNDING: f64 = 1e-6;
+/// Least common step of all shifts, relative to the longest shift.
+const MIN_STEP_SHARE: f64 = 1e-3;
 const MAX_SHARE: f64 = 0.2;
 /// A contact counts as lost if its distance from the contacts before and after it exceeds this multiple of the longest
 /// step between samples, for each sampling period between them.
@@ -107,7 +109,7 @@ impl RollRecording {
         let noise = options.noise.shift_std.max(residual);
         let hidden = match options.noise.shift_resolution {
             stated if stated > 0.0 => stated,
-            _ => common_pitch(&sound),
+            _ => common_step(&sound),
         };
         let hidden = (hidden * (1.0 + ROUNDING)).max(MIN_RESIDUALS * noise);
         for (reading, loss) in self.readings.iter().zip(losses) {
@@ -245,19 +247,24 @@ fn numbers_of_lost(roll: &RollSeries, min_step: f64) -> Vec<f64> {
     lost.map(|at| samples[at].place.x).collect()
 }
 
-/// Pitch of square pads, found from the components of the contact shifts. It is the smallest component that is not 0,
-/// if all components are multiples of this component; otherwise 0.
-fn common_pitch(readings: &[ProbeReading]) -> f64 {
-    let shifts = readings.iter().map(|reading| reading.shift.abs());
-    let lengths = shifts.flat_map(|shift| [shift.x, shift.y]);
-    let lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
-    let pitch = lengths.iter().copied().fold(f64::INFINITY, f64::min);
-    let is_multiple = |length: &f64| {
-        let pitches = length / pitch;
-        (pitches - pitches.round()).abs() <= ROUNDING * pitches
+/// Largest length of which the components of all contact shifts are multiples. It may be the pitch of square pads, or a
+/// multiple of it. Returns 0 if the length is so small that it may be due to the number of digits.
+pub(super) fn common_step(readings: &[ProbeReading]) -> f64 {
+    let lengths = || {
+        readings
+            .iter()
+            .flat_map(|one| [one.shift.x.abs(), one.shift.y.abs()])
     };
-    match lengths.iter().all(is_multiple) {
-        true => pitch,
+    let longest = lengths().fold(0.0, f64::max);
+    let step = lengths().fold(longest, |mut step, mut length| {
+        while length > ROUNDING * longest && step > MIN_STEP_SHARE * longest {
+            (step, length) = (length, step % length);
+            length = length.min(step - length);
+        }
+        step
+    });
+    match step > MIN_STEP_SHARE * longest {
+        true => step,
         false => 0.0,
     }
 }

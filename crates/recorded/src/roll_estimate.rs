@@ -15,6 +15,7 @@ use serde::{Serialize, Serializer};
 
 use super::error::{RecordedError, explained};
 use super::glide_report::{Thresholds, of_size};
+use super::lost_rolls::common_step;
 use super::press_report::Radius;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
@@ -25,6 +26,11 @@ use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
+/// A shift is the difference of two places that are rounded to multiples of a step. The step divided by this number is
+/// the standard deviation of the error by rounding: √6.
+const STEPS_PER_STD: f64 = 2.449_489_742_783_178;
+/// Source of the standard errors if they follow from the steps of the shifts.
+pub(super) const FROM_STEPS: &str = "the steps of the shifts";
 /// Text in the output that states how the thresholds of the shape classes are computed.
 const THRESHOLDS_FROM: &str = "the mean arc length L of the contacts: the threshold of the mean curvature is 0.03 * 3 / (2 L), which is the 0.03 of the 1996 paper, scaled from its patch of 3 x 3 to a patch of 2 L x 2 L; the threshold of the Gaussian curvature is the square of this value";
 
@@ -55,7 +61,7 @@ pub struct RollEstimate {
     pub(super) residual: f64,
     /// Degrees of freedom of the residuals from which the noise was estimated; `None` if it was not estimated.
     freedom: Option<usize>,
-    std_from: &'static str,
+    pub(super) std_from: &'static str,
     pub(super) repeated: Option<String>,
     /// Rolls that were left out because their readings were lost.
     lost: Vec<LeftOutProbe>,
@@ -459,6 +465,11 @@ pub fn estimate_roll(
             ..
         } if shift_resolution > 0.0 => "the pads' pitch",
         _ if noise.is_stated() => "the stated noise",
+        _ if freedom > 0 && common_step(readings) > STEPS_PER_STD * residual => {
+            noise.shift_std = common_step(readings) / STEPS_PER_STD;
+            (fitted, estimate) = fit(noise)?;
+            FROM_STEPS
+        }
         _ if freedom > 0 && residual > 0.0 => {
             noise.shift_std = residual;
             (fitted, estimate) = fit(noise)?;

@@ -8,8 +8,9 @@ use palpate_statistics::{Number, StatedQuantity, ratio_tail};
 use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
+use super::lost_rolls::common_step;
 use super::misfit_warning::ReadingWords;
-use super::roll_estimate::RollEstimate;
+use super::roll_estimate::{FROM_STEPS, RollEstimate};
 use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
@@ -150,6 +151,13 @@ impl RollEstimate {
     }
 
     fn pitch(&self) -> Option<String> {
+        if self.std_from == FROM_STEPS {
+            let step = Number::rounded(common_step(&self.recorded.readings));
+            return Some(format!(
+                "all shifts are multiples of {step} {}, so the intervals assume errors of this size: if the sensor has pads, state their `pitch`",
+                self.unit.as_str()
+            ));
+        }
         let resolution = self.options.noise.shift_resolution;
         let shifts = self.recorded.readings.iter();
         let shifts = shifts.map(|reading| reading.shift.norm());
