@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 use super::decimal::is_missing;
 use super::error::RecordedError;
 use super::file::RecordedFile;
-use super::heading::Heading;
+use super::heading::{Heading, is_within, repeated};
 use super::text_table::{Record, RowResult, Text};
 
 /// Maximum number of columns of a table; a row may lack some of these columns.
@@ -22,6 +22,8 @@ const MAX_KEYS: usize = 1_000;
 /// Maximum number of fingers whose readings are side by side in a row without a time. A longer list is a series of
 /// readings.
 pub(super) const MAX_FINGERS: usize = 5;
+/// Number of rows among which the row with the most columns is searched.
+const COMPARED: usize = 8;
 /// Maximum number of levels of nested lists and objects. More levels would overflow the stack.
 const MAX_DEPTH: isize = 100;
 /// Maximum number of components of a vector or a quaternion.
@@ -77,25 +79,27 @@ impl<'a> JsonTable<'a> {
             depth > MAX_DEPTH
         });
         if is_deep {
-            return Err(file.error(format!(
-                "has more than {MAX_DEPTH} levels of nested lists and objects"
-            )));
+            let message = format!("has more than {MAX_DEPTH} levels of nested lists and objects");
+            return Err(file.error(message));
         }
         match serde_json::from_str(text.all) {
             Ok(Object(members)) => table.read_object(file, text, members)?,
             Err(_) => table.rows = sequence(file, text, None)?,
         }
-        // A lost reading may be null instead of a vector such as [x, y, z], and then has fewer columns. Therefore take
-        // the column names from the first row that contains neither null nor NaN, or from the first row if there is no
-        // such row.
+        // A row with a lost reading may contain null or NaN, or lack a key, and then has fewer columns. Therefore take the
+        // column names from the longest of the first rows without null and NaN, or from the first row if all have them.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let is_whole = |&place: &usize| match &table.rows {
             Rows::Sequence { rows, .. } => is_whole(rows[place].0),
             Rows::Columns(columns) => columns.iter().all(|one| is_whole(one.1[place].get())),
         };
-        let (first, line) = match table.count() {
-            0 => (Vec::new(), header_line),
-            count => table.row(file, (0..count).find(is_whole).unwrap_or(0))?,
+        let whole = (0..table.count()).filter(is_whole).take(COMPARED);
+        let whole = whole.map(|place| table.row(file, place));
+        let whole = whole.collect::<Result<Vec<_>, _>>()?;
+        let (first, line) = match whole.into_iter().rev().max_by_key(|row| row.0.len()) {
+            Some(row) => row,
+            None if table.count() > 0 => table.row(file, 0)?,
+            None => (Vec::new(), header_line),
         };
         let is_of_lists = match &table.rows {
             Rows::Sequence { rows, names, .. } if names.is_none() => {
@@ -117,8 +121,9 @@ impl<'a> JsonTable<'a> {
         }
         let names: HashSet<String> = table.names.iter().cloned().collect();
         table.shared.retain(|(name, _)| !names.contains(name));
-        let shared = table.shared.iter().map(|(name, _)| name.clone());
-        table.names.extend(shared);
+        table
+            .names
+            .extend(table.shared.iter().map(|(name, _)| name.clone()));
         let message = match table.names.len() {
             0 => "the first JSON object is empty; its keys must name the columns".to_owned(),
             1..=MAX_KEYS => {
@@ -345,23 +350,16 @@ fn indexed<'a>(members: &Members<'a>) -> Option<Rows<'a>> {
     let row = |(number, row): &(Cow<'a, str>, &'a RawValue)| {
         // If this is a column instead of a row, its keys are the numbers of the rows.
         let is_row = row.get().starts_with('{') && numbered_rows(row).is_none();
-        let number = number.parse::<u64>().ok().filter(|_| is_row)?;
-        Some((number, row.get()))
+        Some((label_of(number).filter(|_| is_row)?, row.get()))
     };
     let rows = members.iter().map(row).collect::<Option<Vec<_>>>();
     let mut rows = rows.filter(|rows| !rows.is_empty())?;
-    rows.sort_by_key(|(number, _)| *number);
+    rows.sort_by(|one, other| one.0.total_cmp(&other.0));
     Some(Rows::Sequence {
         rows: rows.into_iter().map(|(_, row)| row).zip(1..).collect(),
         names: None,
         is_list: true,
     })
-}
-
-/// Whether the column `key` is a component of the value `name`, such as `position.0` of `position`.
-fn is_within(key: &str, name: &str) -> bool {
-    let part = key.strip_prefix(name);
-    part.is_some_and(|part| part.starts_with('.'))
 }
 
 /// Whether the first row of a table contains a series of readings. A row that is a list of lists or objects is a
@@ -431,8 +429,7 @@ fn columns<'a>(
         return Ok(None);
     }
     let (first, rows) = (&columns[0].0, columns[0].1.len());
-    let mut others = columns.iter();
-    if let Some((name, column)) = others.find(|(_, column)| column.len() != rows) {
+    if let Some((name, column)) = columns.iter().find(|(_, column)| column.len() != rows) {
         return Err(file.error(format!(
             "has columns of different lengths: `{first}` has {rows} values, `{name}` has {}",
             column.len()
@@ -446,22 +443,21 @@ fn columns<'a>(
     Ok(Some(columns))
 }
 
-/// Parses a column whose keys are the numbers of rows, as pandas writes it. Returns these numbers and the values, in the
-/// order of the numbers. `None` if the keys are no numbers or occur twice.
-fn numbered_rows(value: &RawValue) -> Option<(Vec<u64>, Vec<&RawValue>)> {
-    let Object(members) = serde_json::from_str(value.get()).ok()?;
-    let row = |(number, value): (Cow<'_, str>, _)| Some((number.parse().ok()?, value));
-    let rows: Option<Vec<(u64, &RawValue)>> = members.into_iter().map(row).collect();
-    let mut rows = rows?;
-    rows.sort_by_key(|(number, _)| *number);
-    let is_distinct = rows.windows(2).all(|rows| rows[0].0 < rows[1].0);
-    is_distinct.then(|| rows.into_iter().unzip())
+/// The number of a row, such as its index or its time.
+fn label_of(key: &str) -> Option<f64> {
+    key.parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// The name that occurs twice in `names`, if there is one.
-fn repeated<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let mut earlier = HashSet::new();
-    names.find(|name| !earlier.insert(*name))
+/// Parses a column whose keys are the numbers of rows, as pandas writes it. Returns these numbers and the values, in the
+/// order of the numbers. `None` if the keys are no numbers or occur twice.
+fn numbered_rows(value: &RawValue) -> Option<(Vec<f64>, Vec<&RawValue>)> {
+    let Object(members) = serde_json::from_str(value.get()).ok()?;
+    let row = |(number, value): (Cow<'_, str>, _)| Some((label_of(&number)?, value));
+    let rows: Option<Vec<(f64, &RawValue)>> = members.into_iter().map(row).collect();
+    let mut rows = rows?;
+    rows.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let is_distinct = rows.windows(2).all(|rows| rows[0].0 < rows[1].0);
+    is_distinct.then(|| rows.into_iter().unzip())
 }
 
 fn twice(key: &str) -> String {

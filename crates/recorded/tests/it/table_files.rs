@@ -127,6 +127,9 @@ fn files_of_other_programs_hold_the_same_contacts() {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
     }
+    let settings_first = format!("{{\"rate\":100}}\n{}", objects("\n"));
+    let found = glide(&settings_first, "").unwrap();
+    assert_eq!(found["mean_curvature"], expected["mean_curvature"]);
     let vector = |lost: &str| {
         let place = vectors.find("[[").unwrap() + 1;
         let end = vectors[place..].find(']').unwrap();
