@@ -236,7 +236,15 @@ pub(super) fn common_offset(
     let offset = estimate.baseline?;
     let is_explained = free.misfits(reading, &estimate).ok()?.is_empty();
     let is_explained = is_explained && estimate.wrong_markers.is_empty();
-    (is_explained && offset.value.abs() > MIN_OFFSET * offset.std).then(|| {
+    // Displacements that are rounded to large steps have a common error of up to half a step.
+    let mut normal = reading.normal.to_vec();
+    normal.sort_by(f64::total_cmp);
+    let steps = normal.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = steps
+        .filter(|step| *step > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let least = (MIN_OFFSET * offset.std).max(0.5 * step);
+    (is_explained && offset.value.abs() > least).then(|| {
         format!(
             "the normal displacements have a common offset of {} {}; setting `baseline` fitted estimates it together with the curvature",
             Number::rounded(offset.value),
