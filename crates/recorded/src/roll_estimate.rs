@@ -29,6 +29,8 @@ use palpate_study::{Unit, Warning};
 /// A shift is the difference of two places that are rounded to multiples of a step. The step divided by this number is
 /// the standard deviation of the error by rounding: √6.
 const STEPS_PER_STD: f64 = 2.449_489_742_783_178;
+/// Residuals up to this multiple of the mean length of a contact's path are rounding errors, and state no noise.
+const MIN_RESIDUAL: f64 = 1e-12;
 /// Source of the standard errors if they follow from the steps of the shifts.
 pub(super) const FROM_STEPS: &str = "the steps of the shifts";
 /// Text in the output that states how the thresholds of the shape classes are computed.
@@ -465,18 +467,20 @@ pub fn estimate_roll(
             ..
         } if shift_resolution > 0.0 => "the pads' pitch",
         _ if noise.is_stated() => "the stated noise",
-        _ if freedom > 0 && common_step(readings) > STEPS_PER_STD * residual => {
+        _ if freedom == 0 || residual <= MIN_RESIDUAL * estimate.arc_length => {
+            "none: the residuals are zero, and no noise or pitch is stated"
+        }
+        _ if common_step(readings) > STEPS_PER_STD * residual => {
             noise.shift_std = common_step(readings) / STEPS_PER_STD;
             (fitted, estimate) = fit(noise)?;
             FROM_STEPS
         }
-        _ if freedom > 0 && residual > 0.0 => {
+        _ => {
             noise.shift_std = residual;
             (fitted, estimate) = fit(noise)?;
             noise_freedom = Some(freedom);
             "the residuals"
         }
-        _ => "none: the residuals are zero, and no noise or pitch is stated",
     };
     let covariance = fitted.covariance(&estimate);
     let artificial = single.as_ref().and_then(|(_, fitted, _)| fitted.last());
