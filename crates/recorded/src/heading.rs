@@ -315,13 +315,13 @@ fn is_of_axis(column: &Column, words: &[&str]) -> bool {
 /// Words in column names for quantities that have axes, as positions do, but are not measured positions.
 const OTHERS: &str = "normal rotation shift tangential force torque velocity acceleration linear angular twist wrench gyro euler quaternion orientation error std cmd commanded desired target goal setpoint reference";
 
-/// Whether the column `key` is a component of the value `name`, such as `position.0` of `position`.
+/// Whether the column `key` contains a component of the vector `name`, as `position.0` does for `position`.
 pub(super) fn is_within(key: &str, name: &str) -> bool {
     let part = key.strip_prefix(name);
     part.is_some_and(|part| part.starts_with('.'))
 }
 
-/// The name that occurs twice in `names`, if there is one.
+/// The first name in `names` that occurred before; `None` if all names differ.
 pub(super) fn repeated<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     let mut earlier = HashSet::new();
     names.find(|name| !earlier.insert(*name))

@@ -22,7 +22,7 @@ const MAX_KEYS: usize = 1_000;
 /// Maximum number of fingers whose readings are side by side in a row without a time. A longer list is a series of
 /// readings.
 pub(super) const MAX_FINGERS: usize = 5;
-/// Number of rows among which the row with the most columns is searched.
+/// The column names are those of the longest row among this number of rows.
 const COMPARED: usize = 8;
 /// Maximum number of levels of nested lists and objects. More levels would overflow the stack.
 const MAX_DEPTH: isize = 100;
@@ -86,8 +86,9 @@ impl<'a> JsonTable<'a> {
             Ok(Object(members)) => table.read_object(file, text, members)?,
             Err(_) => table.rows = sequence(file, text, None)?,
         }
-        // A row with a lost reading may contain null or NaN, or lack a key, and then has fewer columns. Therefore take the
-        // column names from the longest of the first rows without null and NaN, or from the first row if all have them.
+        // A row with a lost reading may have fewer columns: a key is missing, or null stands for a vector. Therefore take
+        // the column names from the longest of the first rows without null and NaN. If each row contains null or NaN,
+        // take them from the first row.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let is_whole = |&place: &usize| match &table.rows {
             Rows::Sequence { rows, .. } => is_whole(rows[place].0),
@@ -121,9 +122,8 @@ impl<'a> JsonTable<'a> {
         }
         let names: HashSet<String> = table.names.iter().cloned().collect();
         table.shared.retain(|(name, _)| !names.contains(name));
-        table
-            .names
-            .extend(table.shared.iter().map(|(name, _)| name.clone()));
+        let shared = table.shared.iter().map(|(name, _)| name.clone());
+        table.names.extend(shared);
         let message = match table.names.len() {
             0 => "the first JSON object is empty; its keys must name the columns".to_owned(),
             1..=MAX_KEYS => {

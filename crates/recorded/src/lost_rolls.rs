@@ -25,9 +25,9 @@ const ROUNDING: f64 = 1e-6;
 const MIN_STEP_SHARE: f64 = 1e-3;
 const MAX_SHARE: f64 = 0.2;
 /// A contact counts as lost if its distance from the contacts before and after it exceeds this multiple of the longest
-/// step between samples, for each sampling period between them.
+/// step from one sample to the next, for each sampling period between them.
 const MAX_STEPS: f64 = 3.0;
-/// Least such step, relative to the probe's radius.
+/// In this test, the longest step counts as at least this fraction of the probe's radius.
 const MIN_STEP: f64 = 0.01;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -146,9 +146,7 @@ impl RollRecording {
         self.source
             .fail(units.map_or(text.clone(), |(more, _)| format!("{text}; {more}")))
     }
-}
 
-impl RollRecording {
     /// Leaves out the samples of time series in which the contact was lost, and returns a warning text; `None` if no
     /// sample was lost.
     ///
@@ -156,60 +154,55 @@ impl RollRecording {
     /// [`RecordedError::Readings`] if more than a fifth of the samples would be left out.
     pub(super) fn leave_out_lost_samples(
         &mut self,
-        probe_radius: f64,
+        options: &RollOptions,
+        unit: LengthUnit,
     ) -> Result<Option<String>, RecordedError> {
-        let Some(series) = &self.series else {
+        let (radius, Some(series)) = (options.probe_radius, &self.series) else {
             return Ok(None);
         };
-        let half_way = PI * probe_radius * (1.0 + 1e-9);
-        // A pad may have the number of a lost contact as well, so only contact points are searched for numbers.
+        // Pads are not searched for such values: the value (0, 0) is the centre of a pad that may have been active.
         let contacts = series.rolls.iter().filter(|_| !series.has_pads);
-        let numbers = contacts.flat_map(|roll| numbers_of_lost(roll, MIN_STEP * probe_radius));
-        let mut numbers: Vec<f64> = numbers.collect();
-        numbers.sort_by(f64::total_cmp);
-        numbers.dedup();
-        let is_number = |at: f64| numbers.binary_search_by(|one| one.total_cmp(&at)).is_ok();
+        let values = contacts.flat_map(|roll| lost_values(roll, MIN_STEP * radius));
+        let mut values: Vec<f64> = values.collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let is_value = |at: f64| values.binary_search_by(|one| one.total_cmp(&at)).is_ok();
         let is_lost = |RollSample { place, .. }: &RollSample| {
-            place.norm() > half_way || (place.x == place.y && is_number(place.x))
+            place.norm() > PI * radius * (1.0 + 1e-9) || (place.x == place.y && is_value(place.x))
         };
-        let rolls = || series.rolls.iter().enumerate();
-        let samples =
-            rolls().flat_map(|(roll, series)| series.samples.iter().map(move |one| (roll, one)));
-        let lost: Vec<(usize, RollSample)> = samples
-            .filter(|(_, one)| is_lost(one))
-            .map(|(roll, one)| (roll, *one))
-            .collect();
-        let total: usize = rolls().map(|(_, roll)| roll.samples.len()).sum();
-        let at = |(roll, sample): &(usize, RollSample)| {
-            format!(
-                "probe {} after {} s",
-                self.probe(*roll),
-                Number::rounded(sample.time_s)
-            )
-        };
-        let Some(first) = lost.first() else {
+        if !series
+            .rolls
+            .iter()
+            .flat_map(|roll| &roll.samples)
+            .any(is_lost)
+        {
             return Ok(None);
+        }
+        let (mut kept, mut lost, mut total) = (series.clone(), Vec::new(), 0);
+        for (roll, kept) in kept.rolls.iter_mut().enumerate() {
+            total += kept.samples.len();
+            let samples = kept.samples.extract_if(.., |one| is_lost(one));
+            lost.extend(samples.map(|one| (self.probe(roll), one)));
+        }
+        let at = |(probe, sample): &(u64, RollSample)| {
+            format!("probe {probe} after {} s", Number::rounded(sample.time_s))
         };
-        let [u, v] = first.1.place.map(Number).into();
+        let [u, v] = lost[0].1.place.map(Number).into();
         let count = format!("{} of {total} samples", lost.len());
         if lost.len() as f64 > MAX_SHARE * total as f64 {
+            let units = self.units(false, radius, unit);
+            let units = units.map_or_else(String::new, |(more, _)| format!("; {more}"));
             return Err(self.source.fail(format!(
-                "{}: the contact ({u}, {v}) is far from the contacts before and after it, or from the probe; {count} have such lost readings: check the units, or leave these samples out",
-                at(first)
+                "{}: the contact ({u}, {v}) is far from the other contacts of its roll, or more than half of the probe's circumference from the origin; {count} have such lost contacts: leave these samples out{units}",
+                at(&lost[0])
             )));
         }
         let text = format!(
             "{count} are left out because their contacts were lost, the first one at ({u}, {v}): {}",
             listed(lost.iter().map(at))
         );
-        let mut kept = series.clone();
-        for roll in &mut kept.rolls {
-            roll.samples.retain(|sample| !is_lost(sample));
-        }
-        let rolls = 0..kept.rolls.len();
-        let rolls: Vec<usize> = rolls
-            .filter(|&roll| !kept.rolls[roll].samples.is_empty())
-            .collect();
+        let rolls = (0..kept.rolls.len()).filter(|&roll| !kept.rolls[roll].samples.is_empty());
+        let rolls: Vec<usize> = rolls.collect();
         self.series = Some(kept);
         self.keep(&rolls);
         self.readings = self.series.iter().flat_map(SeriesReadings::ends).collect();
@@ -217,23 +210,21 @@ impl RollRecording {
     }
 }
 
-/// Numbers that stand for lost contacts in `roll`: both coordinates of some contacts are equal to this number, and these
-/// contacts are far from the contacts before and after them. `min_step` is the least accepted step between samples.
-fn numbers_of_lost(roll: &RollSeries, min_step: f64) -> Vec<f64> {
+/// Values that a sensor wrote for lost contacts in `roll`. Both coordinates of such a contact have this value, and the
+/// contact is far from the contacts before and after it. A contact that is at most [`MAX_STEPS`] times `min_step` from
+/// them is never far.
+fn lost_values(roll: &RollSeries, min_step: f64) -> Vec<f64> {
     let samples = &roll.samples;
     let is_doubtful = |at: &usize| samples[*at].place.x == samples[*at].place.y;
-    let doubtful: Vec<usize> = (0..samples.len()).filter(is_doubtful).collect();
-    let (Some(first), Some(last), false) = (samples.first(), samples.last(), doubtful.is_empty())
-    else {
+    let (doubtful, sound): (Vec<usize>, Vec<usize>) = (0..samples.len()).partition(is_doubtful);
+    let Some(last) = samples.last().filter(|_| !doubtful.is_empty()) else {
         return Vec::new();
     };
-    let period = (last.time_s - first.time_s) / (samples.len() - 1) as f64;
-    let sound: Vec<usize> = (0..samples.len()).filter(|at| !is_doubtful(at)).collect();
+    let period = (last.time_s - samples[0].time_s) / (samples.len() - 1) as f64;
     let distance = |one: usize, other: usize| (samples[one].place - samples[other].place).norm();
     let steps = sound.windows(2).filter(|pair| pair[1] == pair[0] + 1);
-    let longest = steps
-        .map(|pair| distance(pair[0], pair[1]))
-        .fold(min_step, f64::max);
+    let steps = steps.map(|pair| distance(pair[0], pair[1]));
+    let longest = steps.fold(min_step, f64::max);
     let is_jump = |one: usize, other: usize| {
         let periods = (samples[one].time_s - samples[other].time_s).abs() / period;
         distance(one, other) > MAX_STEPS * longest * periods.max(one.abs_diff(other) as f64)
@@ -248,23 +239,20 @@ fn numbers_of_lost(roll: &RollSeries, min_step: f64) -> Vec<f64> {
 }
 
 /// Largest length of which the components of all contact shifts are multiples. It may be the pitch of square pads, or a
-/// multiple of it. Returns 0 if the length is so small that it may be due to the number of digits.
+/// multiple of the pitch. Returns 0 if there is no such length that is longer than 1/1000 of the longest component,
+/// because shorter lengths may be due to the number of digits.
 pub(super) fn common_step(readings: &[ProbeReading]) -> f64 {
-    let lengths = || {
-        readings
-            .iter()
-            .flat_map(|one| [one.shift.x.abs(), one.shift.y.abs()])
-    };
-    let longest = lengths().fold(0.0, f64::max);
-    let step = lengths().fold(longest, |mut step, mut length| {
-        while length > ROUNDING * longest && step > MIN_STEP_SHARE * longest {
+    let parts = |one: &ProbeReading| [one.shift.x.abs(), one.shift.y.abs()];
+    let lengths: Vec<f64> = readings.iter().flat_map(parts).collect();
+    let longest = lengths.iter().copied().fold(0.0, f64::max);
+    let least = MIN_STEP_SHARE * longest;
+    // Euclid's algorithm for the greatest common divisor, with a tolerance.
+    let step = lengths.into_iter().fold(longest, |mut step, mut length| {
+        while length > ROUNDING * longest && step > least {
             (step, length) = (length, step % length);
             length = length.min(step - length);
         }
         step
     });
-    match step > MIN_STEP_SHARE * longest {
-        true => step,
-        false => 0.0,
-    }
+    if step > least { step } else { 0.0 }
 }

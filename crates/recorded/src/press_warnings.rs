@@ -236,14 +236,13 @@ pub(super) fn common_offset(
     let offset = estimate.baseline?;
     let is_explained = free.misfits(reading, &estimate).ok()?.is_empty();
     let is_explained = is_explained && estimate.wrong_markers.is_empty();
-    // Displacements that are rounded to large steps have a common error of up to half a step.
+    // If the displacements are rounded, an offset of up to half a rounding step may be due to the rounding.
     let mut normal = reading.normal.to_vec();
     normal.sort_by(f64::total_cmp);
     let steps = normal.windows(2).map(|pair| pair[1] - pair[0]);
-    let step = steps
-        .filter(|step| *step > 0.0)
-        .fold(f64::INFINITY, f64::min);
-    let least = (MIN_OFFSET * offset.std).max(0.5 * step);
+    let steps = steps.filter(|step| *step > 0.0);
+    let rounding = 0.5 * steps.fold(f64::INFINITY, f64::min);
+    let least = (MIN_OFFSET * offset.std).max(rounding);
     (is_explained && offset.value.abs() > least).then(|| {
         format!(
             "the normal displacements have a common offset of {} {}; setting `baseline` fitted estimates it together with the curvature",

@@ -26,10 +26,11 @@ use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::LengthUnit;
 use palpate_study::{Unit, Warning};
 
-/// A shift is the difference of two places that are rounded to multiples of a step. The step divided by this number is
-/// the standard deviation of the error by rounding: √6.
+/// √6. If a shift is the difference of two places that are rounded to multiples of a step, the standard deviation of its
+/// rounding error is the step divided by this number.
 const STEPS_PER_STD: f64 = 2.449_489_742_783_178;
-/// Residuals up to this multiple of the mean length of a contact's path are rounding errors, and state no noise.
+/// Residuals up to this fraction of the mean length of the contacts' paths are rounding errors of the computation. The
+/// noise is not estimated from them.
 const MIN_RESIDUAL: f64 = 1e-12;
 /// Source of the standard errors if they follow from the steps of the shifts.
 pub(super) const FROM_STEPS: &str = "the steps of the shifts";
@@ -67,7 +68,7 @@ pub struct RollEstimate {
     pub(super) repeated: Option<String>,
     /// Rolls that were left out because their readings were lost.
     lost: Vec<LeftOutProbe>,
-    /// Warning text about samples that were left out because their contacts were lost.
+    /// Text of the warning about samples with lost contacts, which were left out; `None` if there are none.
     pub(super) lost_samples: Option<String>,
     probes: usize,
     /// The result of a method for time series; `None` for least squares.
@@ -382,7 +383,7 @@ pub fn estimate_roll(
         _ => None,
     };
     let unit = recorded.source.unit(recorded.unit, options.length_unit)?;
-    let lost_samples = recorded.leave_out_lost_samples(options.probe_radius)?;
+    let lost_samples = recorded.leave_out_lost_samples(options, unit)?;
     let lost = match is_of_ends {
         true => recorded.leave_out_lost(options, unit)?,
         false => Vec::new(),

@@ -154,8 +154,8 @@ impl RollEstimate {
         if self.std_from == FROM_STEPS {
             let step = Number::rounded(common_step(&self.recorded.readings));
             return Some(format!(
-                "all shifts are multiples of {step} {}, so the intervals assume errors of this size: if the sensor has pads, state their `pitch`",
-                self.unit.as_str()
+                "all shifts are multiples of {step} {unit}, so the intervals assume that the contacts are rounded to such steps: state the `pitch` of the pads or, for a sensor without pads, the noise of the shifts (`shift_std`)",
+                unit = self.unit.as_str()
             ));
         }
         let resolution = self.options.noise.shift_resolution;

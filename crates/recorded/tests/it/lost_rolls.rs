@@ -86,8 +86,8 @@ fn coarse_pads_may_report_zero() {
     }
 }
 
-/// Six rolls as time series, with a contact that moves by 0.05 mm per sample. The contacts of the samples `lost` are
-/// replaced by `value`.
+/// Six rolls as time series of 51 samples each. The contact moves by about 0.07 mm per sample. In the rows `lost`, both
+/// coordinates of the contact are `value`.
 fn series(lost: &[usize], value: &str) -> String {
     let mut stream = Stream::new(26, 0, Channel::WristContact);
     let mut text =
@@ -109,7 +109,7 @@ fn series(lost: &[usize], value: &str) -> String {
     text
 }
 
-/// A sample that starts or ends a roll matters most, because least squares uses only these samples.
+/// Some of the lost samples start or end a roll. Least squares uses only the first and the last sample of each roll.
 #[test]
 fn lost_samples_are_left_out_and_named() {
     assert_eq!(
@@ -132,7 +132,7 @@ fn lost_samples_are_left_out_and_named() {
     let many: Vec<usize> = (0..306).step_by(4).collect();
     let error = estimate(series(&many, "0")).unwrap_err();
     assert!(
-        error.contains("77 of 306 samples have such lost readings"),
+        error.contains("77 of 306 samples have such lost contacts"),
         "{error}"
     );
 }

@@ -71,7 +71,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
                 .into_iter()
                 .enumerate()
                 .map(|(row, fields)| match dictionary {
-                    true => format!("\"{row:03}\":{}", fields[at]),
+                    true => format!("\"{row:03}.5\":{}", fields[at]),
                     false => fields[at].to_string(),
                 });
             let values = values.collect::<Vec<_>>().join(",");
