@@ -236,14 +236,7 @@ pub(super) fn common_offset(
     let offset = estimate.baseline?;
     let is_explained = free.misfits(reading, &estimate).ok()?.is_empty();
     let is_explained = is_explained && estimate.wrong_markers.is_empty();
-    // If the displacements are rounded, an offset of up to half a rounding step may be due to the rounding.
-    let mut normal = reading.normal.to_vec();
-    normal.sort_by(f64::total_cmp);
-    let steps = normal.windows(2).map(|pair| pair[1] - pair[0]);
-    let steps = steps.filter(|step| *step > 0.0);
-    let rounding = 0.5 * steps.fold(f64::INFINITY, f64::min);
-    let least = (MIN_OFFSET * offset.std).max(rounding);
-    (is_explained && offset.value.abs() > least).then(|| {
+    (is_explained && offset.value.abs() > MIN_OFFSET * offset.std).then(|| {
         format!(
             "the normal displacements have a common offset of {} {}; setting `baseline` fitted estimates it together with the curvature",
             Number::rounded(offset.value),

@@ -170,25 +170,17 @@ fn sensors_of_large_radius_are_pressed() {
     let numbers: Vec<f64> = numbers.collect();
     let rows = numbers.as_chunks::<3>().0;
     let places: Vec<[f64; 2]> = rows.iter().map(|[x, y, _]| [*x, *y]).collect();
-    for (factor, offset, step, most, words) in [
-        (1e-3, 0.0, 1e-9, 1.0, "displacements in m"),
-        (1.0, 0.02, 1e-6, 1.0, "a common offset of 0.0"),
-        (1.0, 0.0, 1e-6, 0.3, "the largest normal displacement, 0.3"),
-        // The offset is at most half a rounding step.
-        (1.0, 0.02, 0.08, 1.0, r#""verdict""#),
+    for (factor, offset, most, words) in [
+        (1e-3, 0.0, 1.0, "displacements in m"),
+        (1.0, 0.02, 1.0, "a common offset of 0.0"),
+        (1.0, 0.0, 0.3, "the largest normal displacement, 0.3"),
     ] {
-        let rounded = |normal: f64| (normal / step).round() * step;
-        let change = |[_, _, normal]: &[f64; 3]| rounded(factor * normal + offset).min(most);
+        let change = |[_, _, normal]: &[f64; 3]| (factor * normal + offset).min(most);
         let normal: Vec<f64> = rows.iter().map(change).collect();
         let readings = PressRecording::new(&places, &normal, None, MM).unwrap();
         let report = estimate_press(&readings, &PressOptions::new(f64::INFINITY)).unwrap();
         let said = serde_json::to_string(&report).unwrap();
         assert!(said.contains(words), "{said}");
-        assert_eq!(
-            said.contains("common offset"),
-            step < 0.08 && offset > 0.0,
-            "{said}"
-        );
     }
 }
 
