@@ -170,12 +170,8 @@ impl RollRecording {
         let is_lost = |RollSample { place, .. }: &RollSample| {
             place.norm() > PI * radius * (1.0 + 1e-9) || (place.x == place.y && is_value(place.x))
         };
-        if !series
-            .rolls
-            .iter()
-            .flat_map(|roll| &roll.samples)
-            .any(is_lost)
-        {
+        let mut samples = series.rolls.iter().flat_map(|roll| &roll.samples);
+        if !samples.any(is_lost) {
             return Ok(None);
         }
         let (mut kept, mut lost, mut total) = (series.clone(), Vec::new(), 0);
