@@ -20,11 +20,19 @@ const MAX_ROUNDING_RATIO: f64 = 2.0;
 /// below [`MIN_ROUNDING_P_VALUE`].
 const MIN_ROUNDING_SHARE: f64 = 0.25;
 const MIN_ROUNDING_P_VALUE: f64 = 0.01;
+/// Contacts whose distances from the shape differ by less than this share of the root mean square distance have the same
+/// error. Their number of errors must be at most `MAX_ERRORS` times the number of contacts. Otherwise some distances are
+/// equal by chance. If the root mean square distance is below `MIN_DISTANCE`, the contacts are exact.
+const MAX_DIFFERENCE: f64 = 1e-6;
+const MAX_ERRORS: f64 = 0.7;
+const MIN_DISTANCE: f64 = 1e-9;
 /// Rounding is neglected if its share of the variance of means of contacts is below this value.
 const MIN_ROUNDING_EFFECT: f64 = 1e-4;
 
 /// Errors of rounded coordinates. Contacts of a finger with the same value of a coordinate may have the same error. Such
 /// errors do not contribute to the residuals if the fit can follow them, such as the heights of a few straight strokes.
+/// On a grid of places without noise, all contacts on a line along a cylinder have the same error, and so have the mirror
+/// images of a contact.
 #[derive(Debug, Default)]
 pub(super) struct Rounding {
     /// Variance that the distances from the shape would have if rounding caused all errors.
@@ -34,10 +42,11 @@ pub(super) struct Rounding {
     axes: Vec<RoundedAxis>,
 }
 
-/// Rounding errors of the coordinate `axis`. Contacts with the same error have the same number in `run_of`.
+/// Rounding errors of the coordinate `axis`, or of the distances from the shape if it is `None`. Contacts with the same
+/// error have the same number in `run_of`.
 #[derive(Debug)]
 struct RoundedAxis {
-    axis: usize,
+    axis: Option<usize>,
     variance: f64,
     /// Mean variance of the distances from the shape, if all errors were caused by the rounding of this coordinate.
     of_distances: f64,
@@ -51,6 +60,14 @@ impl Rounding {
         let (variances, steps) = cloud.rounding(&solution.pose);
         let count = cloud.places.len() as f64;
         let found = solution.equations.squares[0] / count;
+        if let Some(equal) = RoundedAxis::of_equal_distances(&solution.pose, cloud, found) {
+            let squares = equal.lengths.iter().map(|one| one * one);
+            return Self {
+                variance: found,
+                run_length: squares.sum::<f64>() / count,
+                axes: vec![equal],
+            };
+        }
         let mut all = Self::default();
         for axis in (0..3).filter(|&axis| steps[axis] > 0.0) {
             let (run_of, lengths) = runs(cloud, fingers, axis, steps[axis]);
@@ -70,7 +87,7 @@ impl Rounding {
             all.variance += expected;
             all.run_length += of_means;
             all.axes.push(RoundedAxis {
-                axis,
+                axis: Some(axis),
                 variance: steps[axis] * steps[axis] / 12.0,
                 of_distances: expected,
                 step: steps[axis],
@@ -105,7 +122,8 @@ impl Rounding {
             ..
         } = self.axes.iter().max_by(largest)?;
         let share = (solution.variances[0] / of_distances).sqrt();
-        let values = cloud.places.iter().map(|place| place[*axis]);
+        let axis = (*axis)?;
+        let values = cloud.places.iter().map(|place| place[axis]);
         let lowest = values.clone().fold(f64::INFINITY, f64::min);
         let cell_of: Vec<usize> = values
             .map(|value| libm::round((value - lowest) / step) as usize)
@@ -124,7 +142,8 @@ impl Rounding {
             let mut sums = vec![Row::zeros(); one.lengths.len()];
             for (place, run) in cloud.places.iter().zip(&one.run_of) {
                 if let Some(run) = *run {
-                    let part = solution.pose.normal_at(place)[one.axis] * weights[0];
+                    let normal = solution.pose.normal_at(place);
+                    let part = one.axis.map_or(1.0, |axis| normal[axis]) * weights[0];
                     sums[run] += solution.pose.deviation(place, false).distance_row * part;
                 }
             }
@@ -135,6 +154,44 @@ impl Rounding {
             }
         }
         solution.inverse * spread * solution.inverse
+    }
+}
+
+impl RoundedAxis {
+    /// Groups contacts with equal distances from the shape; `None` if only a few distances are equal. `variance` is the
+    /// mean square of the distances.
+    fn of_equal_distances(pose: &Pose, cloud: &Cloud, variance: f64) -> Option<Self> {
+        let distances: Vec<f64> = cloud
+            .places
+            .iter()
+            .map(|place| pose.distance(place))
+            .collect();
+        let mut order: Vec<usize> = (0..distances.len()).collect();
+        order.sort_unstable_by(|&one, &other| distances[one].total_cmp(&distances[other]));
+        let std = variance.sqrt();
+        let is_equal = |one: &usize, other: &usize| {
+            distances[*other] - distances[*one] <= MAX_DIFFERENCE * std
+        };
+        let groups: Vec<&[usize]> = order.chunk_by(is_equal).collect();
+        if std < MIN_DISTANCE || groups.len() as f64 > MAX_ERRORS * distances.len() as f64 {
+            return None;
+        }
+        let mut run_of = vec![None; distances.len()];
+        for (run, group) in groups.iter().enumerate() {
+            group
+                .iter()
+                .for_each(|&contact| run_of[contact] = Some(run));
+        }
+        let errors = groups.len() as f64;
+        let freedom = (errors - pose.unknowns() as f64).max(1.0);
+        Some(Self {
+            axis: None,
+            variance: variance * errors / freedom,
+            of_distances: variance,
+            step: std,
+            run_of,
+            lengths: groups.iter().map(|group| group.len() as f64).collect(),
+        })
     }
 }
 

@@ -253,6 +253,28 @@ fn intervals_of_rounded_strokes_along_a_pipe_hold_the_radius() {
     assert!(held >= 55, "{held}");
 }
 
+/// Rasters along and across a pipe without noise. Each coordinate is rounded. All contacts on a line along the pipe have
+/// the same error.
+#[test]
+fn rounded_rasters_on_a_pipe_have_few_errors() {
+    let held = (0..40).filter(|case| {
+        let random = &mut Random::new(49_000 + case);
+        let (radius, share) = (random.between(15.0, 80.0), random.between(0.2, 0.5));
+        let step = [1e-1, 1e-3, 1e-6][*case as usize % 3];
+        let contacts = (0..441).map(|row| {
+            let [x, y] = [row % 21, row / 21].map(|line| f64::from(line - 10) / 10.0 * share);
+            let place = Vector3::new(x, y, (1.0 - x * x).sqrt()) * radius;
+            let rounded = place.map(|one| (one / step).round() * step);
+            Contact::new(row as usize / 21, Point3::from(rounded), None)
+        });
+        let fit = fit(None, &contacts.collect::<Vec<_>>()).unwrap();
+        assert!(!fit.is_none_of_these(), "{case}");
+        holds(&fit, radius)
+    });
+    let held = held.count();
+    assert!(held >= 35, "{held}");
+}
+
 /// An error tangential to a ball moves a contact away from the ball's centre, whatever the direction of the error. A
 /// fit to many contacts must correct this bias of the radius.
 #[test]
