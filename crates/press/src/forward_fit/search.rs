@@ -19,6 +19,9 @@ use crate::{Contact, Estimated, Interval, PressError, PressEstimate};
 /// Largest share of outliers among the markers. If there are more, the model is probably wrong, and no marker is
 /// rejected.
 const MAX_OUTLIER_SHARE: f64 = 1.0 / 8.0;
+/// A marker is an outlier only if its residual exceeds this share of the largest displacement. Smaller residuals may be
+/// rounding errors of displacements that have no noise.
+const MIN_OUTLIER: f64 = 1e-4;
 /// Smallest number of outliers for which a fit without the marker nearest to the contact is also tried. If the reading
 /// of this marker is wrong but was not rejected, it can make several correct markers look like outliers.
 const SEVERAL: usize = 2;
@@ -521,13 +524,16 @@ impl<'a> Search<'a> {
 
     /// Selects the markers that the fit uses: those within the window that are not outliers.
     fn choose(&mut self, state: &State, residuals: &[[f64; 3]]) -> Result<(), PressError> {
+        let least = MIN_OUTLIER * self.largest;
         let problem = &mut self.problem;
         problem.kept.fill(true);
         problem.keep_window(state);
         let inside = problem.counting().count();
         let is_wrong = |marker: &usize| {
             let [normal, x, y] = residuals[*marker];
-            normal > WRONG * problem.normal_std || x.max(y) > WRONG * problem.tangential_std
+            let [of_normal, of_others] =
+                [problem.normal_std, problem.tangential_std].map(|std| (WRONG * std).max(least));
+            normal > of_normal || x.max(y) > of_others
         };
         let wrong: Vec<usize> = problem.counting().filter(is_wrong).collect();
         let most = (MAX_OUTLIER_SHARE * inside as f64).max(1.0) as usize;

@@ -60,6 +60,25 @@ fn a_flat_pad_is_the_limit_of_large_radii() {
     }
 }
 
+/// Exact displacements contain only errors of the computation and of the printed digits. These blame no marker.
+#[test]
+fn printed_digits_make_no_marker_wrong() {
+    let (markers, body) = (grid(f64::INFINITY), Body::half_space(0.5, 0.0).unwrap());
+    for curvature in [0.07, 0.1, 0.25] {
+        for digits in [1e4, 1e5, 1e6] {
+            let contact = markers.skin().contact(&body, curvature, 0.5).unwrap();
+            let mut readings = Readings::of(&markers, &contact, [0.0; 2]);
+            for normal in &mut readings.normal {
+                let unit = 10.0_f64.powf(normal.abs().log10().floor()) / digits;
+                *normal = (*normal / unit).round() * unit;
+            }
+            let fit = ForwardFit::new(body.clone());
+            let found = fit.estimate(&readings.reading(&markers, None)).unwrap();
+            assert!(found.wrong_markers.is_empty(), "{curvature} {digits}");
+        }
+    }
+}
+
 /// With coarse markers and an unknown indentation, a small and a large ball explain the readings equally well.
 #[test]
 fn intervals_of_coarse_markers_hold_the_curvature() {
