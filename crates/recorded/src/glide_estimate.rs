@@ -21,7 +21,8 @@ use super::glide_report::{
     GlideEstimate, GlideMap, GlideRadius, PatchNoise, PatchRegion, Thresholds, of_size, tidy,
 };
 use super::glide_warnings::{
-    FoundNoise, directions, distant, extent, misfit_warnings, normals, spacing, stated_noise,
+    FoundNoise, directions, distant, extent, misfit_warnings, narrow, normals, spacing,
+    stated_noise,
 };
 use super::log_warnings::{across, assumed_side, correlated, left_out, shape_warnings};
 use super::press_report::Radius;
@@ -407,6 +408,7 @@ impl<'r> GlideFitResult<'r> {
                     &self.centre.curvature,
                 ),
             ))
+            .chain(Warning::of("units", narrow(contacts, normal)))
             .chain(side)
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))

@@ -9,7 +9,7 @@ use palpate_ep2::{Contact, Ep2Error, ShapeError, SoundContacts, StrokeCurvature}
 use super::RecordedFile;
 use super::error::{RecordedError, explained};
 use super::finger_assignment::assign_fingers;
-use super::glide_warnings::directions;
+use super::glide_warnings::{directions, narrow};
 use super::heading::{bracketed, may_be_tip, tip_radius_factor};
 use super::log_warnings::{across, listed};
 use super::reading_table::{ExtraColumns, ReadingTable, header};
@@ -283,7 +283,7 @@ pub(super) fn refused(recorded: &GlideRecording, error: &Ep2Error) -> RecordedEr
         | Ep2Error::Folded { contact, .. } => Some(*contact),
         _ => None,
     };
-    let message = remedied(error, recorded.fingers);
+    let message = remedied(error, recorded);
     let signs = match error {
         Ep2Error::Folded { .. } | Ep2Error::NoSide { .. } => directions(&recorded.contacts),
         _ => None,
@@ -314,7 +314,7 @@ pub(super) fn stroke_refused(
     stroke: &StrokeCurvature,
     unit: LengthUnit,
 ) -> RecordedError {
-    let error_text = remedied(error, recorded.fingers);
+    let error_text = remedied(error, recorded);
     let message = format!("{}: {error_text}", across(stroke, unit).text);
     recorded.source.fail(explained(message, error.into()))
 }
@@ -332,7 +332,7 @@ pub(super) fn shape_refused(recorded: &GlideRecording, error: &ShapeError) -> Re
 }
 
 /// Message of an error of a fit. If a setting can solve the problem, the message names this setting.
-fn remedied(error: &Ep2Error, fingers: usize) -> String {
+fn remedied(error: &Ep2Error, recorded: &GlideRecording) -> String {
     match error {
         Ep2Error::BadSetting(bad) if bad.setting == "unit_length" && bad.value == 0.0 => {
             format!("{ONE_FINGER}: two-pass needs setting `inter_finger_distance`")
@@ -344,11 +344,13 @@ fn remedied(error: &Ep2Error, fingers: usize) -> String {
             format!("{error}: does its normal point inward?")
         }
         Ep2Error::NoSide { .. } => {
-            let curve = match fingers {
+            let curve = match recorded.fingers {
                 1 => "; contacts along one curve do not determine the surface beside the curve",
                 _ => "",
             };
-            format!("{error}; give another with setting `outward`{curve}")
+            let units = narrow(&recorded.contacts, &Vector3::z());
+            let units = units.map_or(String::new(), |units| format!("; {units}"));
+            format!("{error}; give another with setting `outward`{curve}{units}")
         }
         _ => error.to_string(),
     }

@@ -211,8 +211,37 @@ const USUAL_EXTENTS: [f64; 2] = [1e-4, 10.0];
 /// Smallest and largest usual curvature of an object that is clearly not flat, times the extent of the contacts. Other
 /// curvatures occur if one coordinate is in another unit than the others.
 const USUAL_CURVATURES: [f64; 2] = [2e-3, 100.0];
+/// Smallest usual range of a coordinate along the surface, divided by the largest range of a coordinate.
+const MIN_RANGE: f64 = 0.01;
+/// A coordinate is along the surface if the component of the mean normal along its axis is smaller than this value.
+const MAX_FACING: f64 = 0.7;
 /// Smallest usual radius of fingertips, relative to the extent of the contacts.
 const MIN_TIP_RADIUS: f64 = 2.5e-3;
+
+/// Question about a coordinate along the surface whose range is far smaller than that of another coordinate, although
+/// there are several fingers. `normal` is the surface's normal; it is used if the contacts have no normals.
+pub(super) fn narrow(contacts: &[Contact], normal: &Vector3<f64>) -> Option<String> {
+    let first = contacts.first()?;
+    let (mut low, mut high) = (first.position, first.position);
+    for contact in contacts {
+        low = low.inf(&contact.position);
+        high = high.sup(&contact.position);
+    }
+    let ranges = high - low;
+    let measured: Vector3<f64> = contacts.iter().filter_map(|one| one.normal).sum();
+    let normal = measured.try_normalize(0.0).unwrap_or(*normal);
+    let is_narrow =
+        |axis: &usize| normal[*axis].abs() < MAX_FACING && ranges[*axis] < MIN_RANGE * ranges.max();
+    let axis = (0..3).find(is_narrow)?;
+    let has_fingers = contacts.iter().any(|one| one.finger != first.finger);
+    has_fingers.then(|| {
+        let [narrow, wide] = [ranges[axis], ranges.max()].map(Number::rounded);
+        let [axis, other] = [axis, ranges.imax()].map(|axis| ["x", "y", "z"][axis]);
+        format!(
+            "{axis} has a range of only {narrow}, but {other} one of {wide}: do x, y and z have the same unit?"
+        )
+    })
+}
 
 /// Text about contacts whose extent is unusual for a stated unit of m, cm or mm, for the radius of the fingertips or for
 /// the estimated curvature. `None` if the extent is usual.

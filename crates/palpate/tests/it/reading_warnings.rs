@@ -131,6 +131,8 @@ const GLIDE_MISTAKES: &str = "
 4 5 6 | 57.296 | lengths of about 57.3
 4 5 6 | -1 | point to -z
 1 2 3 | 1e-3 | are their positions in mm?
+1 | 1e-3 | x has a range of only
+2 | 1e-3 | y has a range of only
 ";
 
 #[test]
