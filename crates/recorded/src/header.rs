@@ -11,6 +11,11 @@ use super::heading::{
 use super::table_format::pair;
 use super::table_layout::is_of_rostopic;
 
+/// Maximum number of columns that an error lists.
+const MAX_NAMES: usize = 30;
+/// Maximum number of groups of similar columns, such as those of several fingers, that an error proposes to read.
+const MAX_GROUPS: usize = 10;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
     pub(super) index: usize,
@@ -270,8 +275,10 @@ impl<'a> Header<'a> {
     }
 
     fn listed(&self) -> String {
-        let names = self.headings.iter();
-        let names: Vec<String> = names.map(|heading| format!("`{}`", heading.name)).collect();
+        let more = self.headings.len().saturating_sub(MAX_NAMES);
+        let names = self.headings.iter().take(MAX_NAMES);
+        let mut names: Vec<String> = names.map(|heading| format!("`{}`", heading.name)).collect();
+        names.extend((more > 0).then(|| format!("and {more} more")));
         format!("the file has {}", names.join(", "))
     }
 
@@ -324,6 +331,9 @@ impl<'a> Header<'a> {
         };
         let groups = std::iter::from_fn(|| self.proposed(missing, &mut rest));
         let mut groups: Vec<_> = groups.collect();
+        if groups.len() > MAX_GROUPS {
+            groups.clear();
+        }
         let (labels, others): (Vec<Column>, Vec<Column>) =
             (optional.iter()).partition(|column| matches!(column.name, "finger" | "probe"));
         let is_twice = |name: &&str| {

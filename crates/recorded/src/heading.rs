@@ -1,5 +1,8 @@
-//! Interprets the name of a single column: its unit, and the columns of palpate that the name may mean.
+//! Interprets the name of a single column (its unit, and the columns of palpate that the name may mean) and the label of a
+//! single row.
 
+use std::borrow::Cow;
+use std::cmp::Ordering;
 use std::collections::HashSet;
 
 use palpate_study::readings::{COLUMNS, Column, ColumnUnit, Measure, quaternion_part, spelt};
@@ -325,4 +328,22 @@ pub(super) fn is_within(key: &str, name: &str) -> bool {
 pub(super) fn repeated<'n>(mut names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     let mut earlier = HashSet::new();
     names.find(|name| !earlier.insert(*name))
+}
+
+/// The label of a row: a number (its index or time), or the text of its date and time in the form of ISO 8601. Such texts
+/// are ordered like their dates.
+pub(super) type RowLabel<'a> = (f64, Cow<'a, str>);
+
+pub(super) fn row_label<'a>(key: &Cow<'a, str>) -> Option<RowLabel<'a>> {
+    let number = key.parse().ok().filter(|number: &f64| number.is_finite());
+    let is_date =
+        key.starts_with(|first: char| first.is_ascii_digit()) && key.split('-').count() > 2;
+    match number {
+        Some(number) => Some((number, "".into())),
+        None => is_date.then(|| (0.0, key.clone())),
+    }
+}
+
+pub(super) fn in_order(one: &RowLabel<'_>, other: &RowLabel<'_>) -> Ordering {
+    one.partial_cmp(other).unwrap_or(Ordering::Equal)
 }

@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 use super::decimal::is_missing;
 use super::error::RecordedError;
 use super::file::RecordedFile;
-use super::heading::{Heading, is_within, repeated};
+use super::heading::{Heading, RowLabel, in_order, is_within, repeated, row_label};
 use super::text_table::{Record, RowResult, Text};
 
 /// Maximum number of columns of a table; a row may lack some of these columns.
@@ -348,13 +348,13 @@ fn sequence<'a>(
 /// such table.
 fn indexed<'a>(members: &Members<'a>) -> Option<Rows<'a>> {
     let row = |(number, row): &(Cow<'a, str>, &'a RawValue)| {
-        // If this is a column instead of a row, its keys are the numbers of the rows.
-        let is_row = row.get().starts_with('{') && numbered_rows(row).is_none();
-        Some((label_of(number).filter(|_| is_row)?, row.get()))
+        // If this is a column instead of a row, its keys are the labels of the rows.
+        let is_row = row.get().starts_with('{') && labelled_rows(row).is_none();
+        Some((row_label(number).filter(|_| is_row)?, row.get()))
     };
     let rows = members.iter().map(row).collect::<Option<Vec<_>>>();
     let mut rows = rows.filter(|rows| !rows.is_empty())?;
-    rows.sort_by(|one, other| one.0.total_cmp(&other.0));
+    rows.sort_by(|one, other| in_order(&one.0, &other.0));
     Some(Rows::Sequence {
         rows: rows.into_iter().map(|(_, row)| row).zip(1..).collect(),
         names: None,
@@ -397,13 +397,13 @@ fn columns<'a>(
 ) -> Result<Option<Columns<'a>>, RecordedError> {
     let mut columns = Columns::new();
     let (mut is_table, mut has_vectors) = (false, false);
-    let (mut row_numbers, mut other) = (None, None);
+    let (mut row_labels, mut other) = (None, None);
     for (name, value) in members {
         let column = if is_list(value.get()) {
             items(value)
-        } else if let Some((numbers, column)) = numbered_rows(value) {
-            let (first, expected) = row_numbers.get_or_insert((name, numbers.clone()));
-            if *expected != numbers {
+        } else if let Some((labels, column)) = labelled_rows(value) {
+            let (first, expected) = row_labels.get_or_insert((name, labels.clone()));
+            if *expected != labels {
                 other = Some([*first, name]);
             }
             column
@@ -437,25 +437,20 @@ fn columns<'a>(
     }
     if let Some([one, other]) = other {
         return Err(file.error(format!(
-            "has columns with different rows: `{one}` and `{other}` differ in the numbers of their rows"
+            "has columns with different rows: `{one}` and `{other}` differ in the labels of their rows"
         )));
     }
     Ok(Some(columns))
 }
 
-/// The number of a row, such as its index or its time.
-fn label_of(key: &str) -> Option<f64> {
-    key.parse().ok().filter(|number: &f64| number.is_finite())
-}
-
-/// Parses a column whose keys are the numbers of rows, as pandas writes it. Returns these numbers and the values, in the
-/// order of the numbers. `None` if the keys are no numbers or occur twice.
-fn numbered_rows(value: &RawValue) -> Option<(Vec<f64>, Vec<&RawValue>)> {
+/// Parses a column whose keys are the labels of rows, as pandas writes it. Returns these labels and the values, in the
+/// order of the labels. `None` if the keys are no labels or occur twice.
+fn labelled_rows(value: &RawValue) -> Option<(Vec<RowLabel<'_>>, Vec<&RawValue>)> {
     let Object(members) = serde_json::from_str(value.get()).ok()?;
-    let row = |(number, value): (Cow<'_, str>, _)| Some((label_of(&number)?, value));
-    let rows: Option<Vec<(f64, &RawValue)>> = members.into_iter().map(row).collect();
+    let row = |(label, value)| Some((row_label(&label)?, value));
+    let rows: Option<Vec<(RowLabel<'_>, &RawValue)>> = members.into_iter().map(row).collect();
     let mut rows = rows?;
-    rows.sort_by(|one, other| one.0.total_cmp(&other.0));
+    rows.sort_by(|one, other| in_order(&one.0, &other.0));
     let is_distinct = rows.windows(2).all(|rows| rows[0].0 < rows[1].0);
     is_distinct.then(|| rows.into_iter().unzip())
 }

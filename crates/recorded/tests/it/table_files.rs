@@ -123,6 +123,7 @@ fn files_of_other_programs_hold_the_same_contacts() {
         objects(" "),
         columns(false),
         columns(true),
+        columns(true).replace("\"0", "\"2026-01-01T00:00:0"),
     ] {
         let found = glide(&contents, "").unwrap_or_else(|error| panic!("{error}: {contents}"));
         assert_eq!(found, expected, "{contents}");
@@ -502,12 +503,19 @@ fn damaged_files_are_refused_with_the_reason() {
             "has the grid `normal_displacement_mm` of shape (11, 11)",
         ),
         (
+            (0..99)
+                .map(|name| format!("c{name},"))
+                .collect::<String>()
+                .into(),
+            "`c29`, and 70 more; the columns must be",
+        ),
+        (
             b"{\"x\":[1,2],\"y\":[1]}".to_vec(),
             "columns of different lengths: `x` has 2 values, `y` has 1",
         ),
         (
             br#"{"x":{"0":1,"1":2},"y":{"0":1,"2":2},"z":{"0":1,"1":2}}"#.to_vec(),
-            "`x` and `y` differ in the numbers of their rows",
+            "`x` and `y` differ in the labels of their rows",
         ),
         (
             b"{\"x\":1,\"y\":2,\"z\":3}\n{\"x\":[1],\"y\":2,\"z\":3}".to_vec(),
