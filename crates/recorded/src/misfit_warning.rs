@@ -32,13 +32,9 @@ impl ReadingWords<'_> {
                 ..
             } => {
                 let (quantity, consequence) = match quantity {
-                    StatedQuantity::Noise if estimated > stated => (
-                        &*format!("noise of {}", self.noise_of),
-                        "; the intervals are too narrow",
-                    ),
                     StatedQuantity::Noise => (
                         &*format!("noise of {}", self.noise_of),
-                        "; the intervals are too wide",
+                        "; the intervals are not reliable: correct the stated noise, or do not state it",
                     ),
                     StatedQuantity::Indentation => {
                         ("indentation", "; the curvature is not reliable")

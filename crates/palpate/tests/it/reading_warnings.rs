@@ -22,8 +22,8 @@ const PRESSES: &str = r#"
 --depth 2 --indentation 1.7 --indentation-std 0.02 | the curvature is not reliable
 --depth 2 --indentation 15 | but the readings show
 --depth 2 --indentation 2 --indentation-std 1e-6 | a marker at the contact itself (row 1, line 2)
---depth 2 --normal-std 0.01 | intervals are too narrow
---depth 2 --normal-std 0.5 --tangential-std 0.2 | intervals are too wide
+--depth 2 --normal-std 0.01 | stated as 0.01 mm
+--depth 2 --normal-std 0.5 --tangential-std 0.2 | stated as 0.5 mm
 --depth 2 --normal-std 5 --tangential-std 5 | no marker moved by more than
 "#;
 const ROLLS: &str = "
