@@ -41,10 +41,16 @@ const MIN_NORMALS_VARIANCE: f64 = 0.5;
 /// value.
 const MIN_EQUATIONS_RATIO: f64 = 1.5;
 
+/// A shape fits if the contacts deviate from it by less than this share of their spread, and the normals by less than
+/// this angle (rad). Such deviations may be the rounding errors of computed contacts, which are not random.
+const NEGLIGIBLE: f64 = 1e-4;
+
 #[derive(Clone, Debug)]
 pub(super) struct LackOfFit {
     /// P-value of the fit: the probability that contacts on a surface of exactly this shape would fit worse by chance.
     pub(super) p_value: f64,
+    /// Whether the deviations from the shape are too small to matter, whatever their p-value.
+    pub(super) is_negligible: bool,
     /// One number for positions and one for normals: the number of consecutive values that count as one, because their
     /// errors are correlated.
     pub(super) correlations: [f64; 2],
@@ -215,8 +221,11 @@ pub(super) fn lack_of_fit(
             again.min(2.0 * slopes)
         }
     };
+    let kinds = if cloud.normals.is_empty() { 1 } else { 2 };
+    let deviations = &solution.variances[..kinds];
     LackOfFit {
         p_value,
+        is_negligible: deviations.iter().all(|one| *one < NEGLIGIBLE * NEGLIGIBLE),
         correlations,
         with_rounding,
     }

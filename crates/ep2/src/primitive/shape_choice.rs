@@ -38,7 +38,8 @@ pub(super) fn is_line(pose: &Pose, cloud: &Cloud, variance: f64) -> bool {
 ///
 /// The shapes are compared by the Bayesian information criterion. The probability of "none of these" is 0.01 / p times
 /// the probability of the best shape. Here p is the smaller of two p-values of the best shape. One comes from the test
-/// for lack of fit, the other from the test for a wave in the distances of the contacts.
+/// for lack of fit, the other from the test for a wave in the distances of the contacts. If the deviations are negligible,
+/// p is 1.
 pub(super) fn choose(
     candidates: &[Candidate],
     stated: StatedNoise,
@@ -100,8 +101,11 @@ pub(super) fn choose(
         .map(|one| libm::exp(0.5 * (least - one)))
         .collect();
     let Candidate { solution, lack } = &candidates[chosen];
-    let of_wave = wave_tests::of_distances(solution, used, lack.with_rounding[0]);
-    let none = NONE_P_VALUE / lack.p_value.min(of_wave).max(f64::MIN_POSITIVE);
+    let p_value = match lack.is_negligible {
+        true => 1.0,
+        false => wave_tests::of_distances(solution, used, lack.with_rounding[0]).min(lack.p_value),
+    };
+    let none = NONE_P_VALUE / p_value.max(f64::MIN_POSITIVE);
     let total = weights.iter().sum::<f64>() + none;
     let probabilities = std::array::from_fn(|one| weights.get(one).unwrap_or(&none) / total);
     (chosen, Some(probabilities))

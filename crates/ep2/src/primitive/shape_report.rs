@@ -121,7 +121,11 @@ impl ShapeSettings {
                 direction,
                 direction_std_rad,
                 rms_misfit,
-                p_value: lack.p_value,
+                p_value: if lack.is_negligible {
+                    1.0
+                } else {
+                    lack.p_value
+                },
                 noise,
                 readings: EffectiveReadings {
                     contacts: 0,
