@@ -226,7 +226,7 @@ impl RollRecording {
         Some(match wrong.next_back() {
             wrong if median > MAX_USUAL_TURN_RATIO => (
                 format!(
-                    "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}; state other units by setting `columns`, such as rotation_x_deg or contact_u_m, and the unit of the radius by setting `length_unit`",
+                    "the probe turned {} times as far as on a plane: are the rotations in degrees or mrad, or the shifts in a larger unit than the radius? the columns are in rad and {}; to state other units, rename the columns in the header, such as to rotation_x_deg or contact_u_m, or use setting `columns` if the header states no units; setting `length_unit` states the unit of the radius",
                     shown(median),
                     unit.as_str()
                 ),
