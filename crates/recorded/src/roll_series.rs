@@ -46,9 +46,11 @@ pub(super) struct SeriesReadings {
 impl SeriesReadings {
     /// The readings for least squares: rotation and shift of each probe from its first to its last sample.
     pub(super) fn ends(&self) -> Vec<ProbeReading> {
+        // A single sample among longer rolls shows no motion.
+        let are_single = self.rolls.iter().all(|roll| roll.samples.len() <= 1);
         let ends = |roll: &RollSeries| {
             let (first, last) = (roll.samples.first()?, roll.samples.last()?);
-            let is_only = roll.samples.len() == 1 && last.rotation != Vector3::zeros();
+            let is_only = are_single && last.rotation != Vector3::zeros();
             // Pads at the origin, and a single row, state the motion since the start of the roll.
             let is_relative = self.has_pads && (is_only || first.place == Vector2::zeros());
             let start = f64::from(!is_relative);

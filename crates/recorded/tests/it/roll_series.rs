@@ -178,6 +178,14 @@ fn least_squares_uses_the_ends_alone() {
     let ends: Vec<[f64; 6]> = rows(200).into_iter().filter(|row| row[1] == 1.0).collect();
     let ends = estimate(&table(&ends), &settings).unwrap();
     assert_eq!(series["mean_curvature"], ends["mean_curvature"]);
+    // A roll with a single sample, whatever its pad, adds no information.
+    let mut single = rows(200);
+    single.push([9.0, 0.0, 0.3, 0.2, 4.0, 3.0]);
+    let single = estimate(&table(&single), &settings).unwrap();
+    assert_eq!(
+        single["mean_curvature"]["value"],
+        series["mean_curvature"]["value"]
+    );
     let mut moved = rows(200);
     moved.iter_mut().for_each(|row| row[4] += 3.0);
     let moved = table(&moved);
