@@ -404,10 +404,11 @@ impl Problem<'_> {
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let lengths = fit.rolls.iter().map(|roll| roll.end.norm());
         let longest = lengths.fold(0.0, f64::max);
-        // If the noise is not stated and the residuals are very small, they are errors of the model and not noise. Then
-        // no roll is an outlier.
+        // If the noise is not stated and the residuals are very small, or are not the assumed noise, they are errors of
+        // the model. Then no roll is an outlier.
         let is_small = |noise: EstimatedNoise| noise.mean_square.sqrt() < MIN_RESIDUAL * longest;
-        if fit.estimated.is_some_and(is_small) {
+        let is_untested = |noise: EstimatedNoise| noise.misfit.is_some() || is_small(noise);
+        if fit.estimated.is_some_and(is_untested) {
             return None;
         }
         let mut worst = (OUTLIER_LEVEL / data.len() as f64, 0.0, None);
@@ -469,8 +470,14 @@ impl Problem<'_> {
             None if self.noise.is_exact() => Uncertainty::NormalMobility,
             None => Uncertainty::NormalForm,
         };
-        let goodness = self.is_noise_stated();
-        let goodness = goodness.then(|| GoodnessOfFit::new(fit.chi_squared, fit.freedom));
+        let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
+        let goodness = match fit.estimated.and_then(|noise| noise.misfit) {
+            Some(p_value) => Some(GoodnessOfFit {
+                p_value,
+                ..goodness
+            }),
+            None => self.is_noise_stated().then_some(goodness),
+        };
         let paths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
         let (shape, terms) = (&fit.shape, (terms == 1, terms));
         self.result(shape, covariance, terms, &paths, goodness, uncertainty)

@@ -1,6 +1,7 @@
 //! Estimates the noise of contact points and of rotations from the residuals of a fit to rolls.
 
 use nalgebra::{Matrix2, Matrix4, SMatrix, SVector, Vector2, Vector4};
+use palpate_statistics::ratio_tail;
 
 use super::{FitNoise, RollData, SeriesFit, inverse_of, moved};
 use crate::rolled_path::LocalShape;
@@ -13,6 +14,10 @@ pub(crate) const MIN_SHARE: f64 = 0.01;
 /// One fit does not restrict the rotation errors that all samples of a roll share. This constant is the variance that
 /// this fit assumes for them, divided by the variance with which the readings determine them.
 const UNLIMITED: f64 = 1e8;
+
+/// Fits with equal weights and with the weights of the estimated noise agree within their errors. If the p-value of their
+/// difference is below this value, the residuals are not the assumed noise, and the weights are not used.
+const MIN_P_VALUE: f64 = 0.01;
 
 /// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the
 /// roll is eliminated from them.
@@ -37,11 +42,15 @@ pub(crate) struct EstimatedNoise {
     /// Degrees of freedom of the estimated noise in the covariance of the fit. The errors of the fit have Student's t
     /// distribution with these degrees of freedom.
     pub(crate) freedom: f64,
+    /// P-value of the difference between the fits with equal weights and with the weights of the estimated noise, if it
+    /// is so small that the weights are not used.
+    pub(crate) misfit: Option<f64>,
 }
 
 impl<const N: usize> SeriesFit<N> {
     /// Like [`new`](Self::new), but if the noise is not stated, the weights follow from the estimated noise. The effect
-    /// of these weights is computed to first order from a fit with equal weights.
+    /// of these weights is computed to first order from a fit with equal weights. If this effect is too large for the
+    /// noise, the result is the fit with equal weights.
     pub(crate) fn weighted(
         rolls: &[RollData],
         noise: &FitNoise,
@@ -58,7 +67,23 @@ impl<const N: usize> SeriesFit<N> {
             .min_variance
             .max(MIN_SHARE * MIN_SHARE * estimated.shared);
         estimated.variance = estimated.variance.max(least).max(f64::MIN_POSITIVE);
+        let mut spread = fit.information * estimated.variance;
+        for SharedError { mixed, .. } in fit.rolls.iter().map(|roll| &roll.shared) {
+            spread += mixed.tr_mul(mixed) * estimated.shared;
+        }
+        let spread = fit.covariance * spread * fit.covariance;
+        let mut equal = fit.clone();
         let full = fit.weigh(estimated.ratio())?;
+        let square = full.dot(&(inverse_of(&spread)? * full));
+        let freedom = estimated.shared_freedom;
+        let p_value = ratio_tail(square, N, freedom, freedom as usize);
+        if p_value < MIN_P_VALUE {
+            equal.covariance = spread / estimated.variance;
+            estimated.freedom = freedom;
+            estimated.misfit = Some(p_value);
+            equal.estimated = Some(estimated);
+            return Some(equal);
+        }
         let (shape, part) = moved(&fit.shape, &full)?;
         fit.shape = shape;
         for roll in &mut fit.rolls {
@@ -133,6 +158,7 @@ impl<const N: usize> SeriesFit<N> {
             shared: shared.max(0.0),
             shared_freedom: (first * first / second).max(1.0),
             freedom,
+            misfit: None,
         }
     }
 

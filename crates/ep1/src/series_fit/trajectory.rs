@@ -59,6 +59,9 @@ impl Problem<'_> {
         first: &SeriesFit<3>,
     ) -> (SeriesEstimate, Option<usize>) {
         let mut best = self.candidate(data, first);
+        if best.noise.is_some_and(|noise| noise.misfit.is_some()) {
+            return (best.estimate, best.worst);
+        }
         let mut shape = first.shape;
         // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
         // second term of the polynomial then does not improve the fit, but a third term may.
@@ -90,7 +93,10 @@ impl Problem<'_> {
         best: &mut Candidate,
     ) {
         shape.terms += 1;
-        if let Some(fit) = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE) {
+        let fit = SeriesFit::<N>::weighted(data, noise, *shape, TOLERANCE);
+        let has_noise =
+            |fit: &SeriesFit<N>| fit.estimated.is_none_or(|noise| noise.misfit.is_none());
+        if let Some(fit) = fit.filter(has_noise) {
             *shape = fit.shape;
             let candidate = self.candidate(data, &fit);
             if candidate.criterion < best.criterion {

@@ -153,7 +153,8 @@ fn trajectories_have_no_other_bias_than_pad_edges() {
 #[test]
 fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
     let mut draws = Draws(12);
-    for error in [0.0, 0.003, 0.03] {
+    // Errors of long rotations about the contact normal bend the paths, so that weights from their residuals mislead.
+    for (error, longer) in [(0.0, 1.0), (0.003, 1.0), (0.03, 1.0), (0.1, 2.4)] {
         let (mut held, mut width, trials) = (0, 0.0, 20);
         for trial in 0..trials {
             let turn = 0.1 * f64::from(trial);
@@ -162,12 +163,13 @@ fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
                 let gain = Vector3::from_fn(|_, _| draws.normal()) * error;
                 roll.samples = roll.samples.iter().step_by(40).copied().collect();
                 for sample in &mut roll.samples {
+                    sample.rotation *= longer;
                     let drive = Vector2::new(-sample.rotation.y, sample.rotation.x);
                     let noise = Vector2::from_fn(|_, _| draws.normal()) * 0.005;
                     let path = drive / (1.0 / RADIUS + 1.0 / 25.0);
                     sample.place = chart(&Vector2::zeros(), &path) + noise;
                     sample.rotation += gain * sample.rotation.norm();
-                    sample.rotation.z = 0.0;
+                    sample.rotation.z *= f64::from(longer > 1.0);
                 }
             }
             let places = Places::Contacts { std: 0.0 };
@@ -181,7 +183,7 @@ fn intervals_without_stated_noise_include_the_scatter_between_rolls() {
         assert!(held >= 17, "{error}: {held} of {trials}");
         // The interval must be only a little wider than for stated noise. With stated noise, the relative standard
         // error is `error` · (1 + 25 / 10) / 4, plus the error due to the contact points.
-        assert!(width < 0.012 + 5.5 * error, "{error}: {width}");
+        assert!(width < 0.012 + 6.0 * error, "{error}: {width}");
     }
 }
 
