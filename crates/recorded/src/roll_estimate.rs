@@ -33,6 +33,7 @@ const STEPS_PER_STD: f64 = 2.449_489_742_783_178;
 /// noise is not estimated from them.
 const MIN_RESIDUAL: f64 = 1e-12;
 /// Source of the standard errors if they follow from the steps of the shifts.
+pub(super) const OF_RESIDUALS: &str = "the residuals";
 pub(super) const FROM_STEPS: &str = "the steps of the shifts";
 /// Text in the output that states how the thresholds of the shape classes are computed.
 const THRESHOLDS_FROM: &str = "the mean arc length L of the contacts: the threshold of the mean curvature is 0.03 * 3 / (2 L), which is the 0.03 of the 1996 paper, scaled from its patch of 3 x 3 to a patch of 2 L x 2 L; the threshold of the Gaussian curvature is the square of this value";
@@ -422,7 +423,7 @@ pub fn estimate_roll(
             freedom: None,
             std_from: match (options.series.noise == SeriesNoise::default(), has_pads) {
                 (true, true) => "the pads' edges",
-                (true, false) if options.series.contact_std == 0.0 => "the residuals",
+                (true, false) if options.series.contact_std == 0.0 => OF_RESIDUALS,
                 _ => "the stated noise",
             },
             repeated,
@@ -480,7 +481,7 @@ pub fn estimate_roll(
             noise.shift_std = residual;
             (fitted, estimate) = fit(noise)?;
             noise_freedom = Some(freedom);
-            "the residuals"
+            OF_RESIDUALS
         }
     };
     let covariance = fitted.covariance(&estimate);

@@ -10,7 +10,7 @@ use palpate_study::config::LengthUnit;
 
 use super::lost_rolls::common_step;
 use super::misfit_warning::ReadingWords;
-use super::roll_estimate::{FROM_STEPS, RollEstimate};
+use super::roll_estimate::{FROM_STEPS, OF_RESIDUALS, RollEstimate};
 use super::roll_recording::RollRecording;
 use super::single_direction::DirectedCurvature;
 
@@ -76,6 +76,7 @@ impl RollEstimate {
             self.recorded
                 .units(self.series.is_none(), self.options.probe_radius, self.unit);
         let misfits = match &self.series {
+            Some(_) if self.std_from == OF_RESIDUALS => Vec::new(),
             Some(_) => self
                 .p_value()
                 .filter(|p_value| *p_value < MIN_P_VALUE)
@@ -93,6 +94,7 @@ impl RollEstimate {
             .chain(Warning::of("left-out", self.lost_samples.clone()))
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
+            .chain(self.bent_paths())
             .chain(Warning::of("poor-fit", self.common_rotation()))
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of("units", self.mixed_units()))
@@ -103,6 +105,16 @@ impl RollEstimate {
             .chain(Warning::of("unnamed-probes", self.recorded.note.clone()))
             .chain(self.recorded.source.notes.iter().cloned())
             .collect()
+    }
+
+    /// Warning about residuals of a time series that are not the assumed noise, although no noise is stated.
+    fn bent_paths(&self) -> Option<Warning> {
+        let p_value = self.p_value().filter(|_| self.std_from == OF_RESIDUALS)?;
+        let shown = Number::rounded(p_value);
+        let text = format!(
+            "the shapes of the contact paths contradict the rotations (p-value {shown}), so the estimate uses mainly the lengths of the paths: are the rotations about the contact normal wrong or missing, or does the contact slip?"
+        );
+        (p_value < MIN_P_VALUE).then(|| Warning::new("poor-fit", text, [("p_value", p_value)]))
     }
 
     fn common_rotation(&self) -> Option<String> {

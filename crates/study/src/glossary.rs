@@ -171,7 +171,7 @@ subjects! {
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. If a statistical test of the readings caused the warning, `numbers` contains the `p_value` of the test. This is the probability that chance alone causes a contradiction between readings and model (or stated values) at least as large as the observed one.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as the observed ones, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
-        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls, below 0.02). The stated noise is too small, or the model does not hold.";
+        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls by `least-squares`, below 0.02). The stated noise is too small, or the model does not hold.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the index of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are not reliable. Correct the stated noise, or do not state it.";
         "stated-pitch": "Warning about rolls. Either a contact moved by less than the stated pitch, but pads report only multiples of the pitch; or no pitch is stated, but all shifts are multiples of one length, as those of pads are.";
