@@ -59,12 +59,25 @@ pub(crate) struct Crossing {
     pub(crate) gap: f64,
     /// Rotation vector of the probe, from the start of the roll to the crossing.
     pub(crate) rotation: Vector3<f64>,
-    /// Standard deviation of the rotation in the direction that moves the contact across the edge (rad).
-    pub(crate) std: f64,
-    /// Width (rad) of the range of rotations in which the active pad changes.
-    pub(crate) width: f64,
+    /// Variance (rad²) of the rotation due to noise.
+    pub(crate) variance: f64,
+    /// Drive (rotation vector, turned by 90°) from the last sample before the crossing to the next sample on another pad.
+    pub(crate) change: Vector2<f64>,
     /// Index of the last sample before the crossing.
     pub(crate) sample: usize,
+}
+
+impl Crossing {
+    /// Width of the range in which the active pad changes: the change of `across · drive` if the drive changes by
+    /// `change`.
+    pub(crate) fn width(across: &Vector2<f64>, change: &Vector2<f64>) -> f64 {
+        // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the
+        // uncertain direction of the path limits the accuracy of the crossing, so the width has a lower limit.
+        libm::hypot(
+            across.dot(change),
+            MIN_WIDTH * across.norm() * change.norm(),
+        )
+    }
 }
 
 /// A run consists of successive samples on one pad. While the contact moves over an edge, the pads beside it may be
@@ -134,14 +147,15 @@ pub(crate) fn crossings(
                 normal.dot(&before.centre) + 0.5 * pitch,
                 normal.dot(&after.centre) - 0.5 * pitch,
             ];
-            let (rotation, variance, width) =
-                rotation_at_change(samples, &before, &after, noise, &normal);
+            let (rotation, variance, change) = rotation_at_change(samples, &before, &after, noise);
+            let width = Crossing::width(&normal, &change);
             let offset = 0.5 * (edges[0] + edges[1]);
             let spread = (2.0 * variance).sqrt() * NEAR;
             let is_repeated = |one: &Crossing| {
                 let sign = one.normal.dot(&normal);
                 let is_same = sign.abs() > 0.9 && (one.offset - sign * offset).abs() < 1e-6 * pitch;
-                is_same && (one.rotation - rotation).norm() < one.width + width + spread
+                let widths = width + Crossing::width(&one.normal, &one.change);
+                is_same && (one.rotation - rotation).norm() < widths + spread
             };
             // If the contact crosses an edge again at the same place, the samples around both crossings may have equal
             // rotations. Then both crossings have the same error, and the second one adds no information. So only the
@@ -154,8 +168,8 @@ pub(crate) fn crossings(
                 offset,
                 gap: (edges[1] - edges[0]).clamp(0.0, pitch),
                 rotation,
-                std: (variance + width * width / 12.0).sqrt().max(MIN_STD),
-                width,
+                variance: variance.max(MIN_STD * MIN_STD),
+                change,
                 sample: before.last,
             });
         }
@@ -165,7 +179,7 @@ pub(crate) fn crossings(
 
 /// The rotation vector at the change from the pad of the run `before` to the pad of the run `after`. A run consists of
 /// successive samples on one pad. The second result is the variance (rad²) of the rotation due to noise, and the third
-/// the width (rad) of the range in which the active pad changes, along `across`.
+/// the drive (rotation vector, turned by 90°) from the last sample before the change to the first sample after it.
 ///
 /// The active pad changes between two samples, so the time of the change is uncertain by one sampling interval. A
 /// parabola is fitted to the measured rotations near the change, to average their noise. The result is the value of the
@@ -177,8 +191,7 @@ fn rotation_at_change(
     before: &Run,
     after: &Run,
     noise: &SeriesNoise,
-    across: &Vector2<f64>,
-) -> (Vector3<f64>, f64, f64) {
+) -> (Vector3<f64>, f64, Vector2<f64>) {
     let [low, high] = [samples[before.last], samples[after.first]];
     let middle = (low.rotation + high.rotation) * 0.5;
     let std = libm::hypot(
@@ -239,11 +252,7 @@ fn rotation_at_change(
             break;
         }
     }
-    // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the uncertain
-    // direction of the path limits the accuracy of the crossing, so the width has a lower limit.
-    let change = drive_of(&change);
-    let width = libm::hypot(change.dot(across), MIN_WIDTH * change.norm());
-    (rotation, variance, width)
+    (rotation, variance, drive_of(&change))
 }
 
 /// Selects samples that bound the position of the contact. A run is a series of successive samples on one pad. For each

@@ -224,10 +224,14 @@ impl<const N: usize> RollFit<N> {
                     let across = by_drive.tr_mul(&crossing.normal);
                     // An error of the rotation about the contact normal turns the contact's path about its start.
                     let aside = crossing.normal.perp(&(place.by_path * at.x));
-                    let variance =
-                        (across.norm_squared() + aside * aside) * crossing.std * crossing.std
-                            + crossing.gap * crossing.gap / 12.0
-                            + turned;
+                    // A weight computed from the measured rotation would depend on its error and bias the estimate.
+                    let drive = drive_of(&measured[index]);
+                    let growth = crossing.change.dot(&drive) / drive.norm().max(f64::MIN_POSITIVE);
+                    let change = crossing.change - self.error * (self.ratio * growth);
+                    let width = Crossing::width(&across, &change);
+                    let variance = (across.norm_squared() + aside * aside) * crossing.variance
+                        + (width * width + crossing.gap * crossing.gap) / 12.0
+                        + turned;
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
                     // Errors of measured rotations bias the estimate. At a crossing, the rotation error is so small

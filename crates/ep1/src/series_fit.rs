@@ -217,7 +217,7 @@ impl Problem<'_> {
         let mobility = shape.relative().try_inverse().unwrap_or_default();
         let observations = data.iter().flat_map(|roll| &roll.observations);
         let moved = observations.map(|(_, one)| match one {
-            Observation::Crossing(one) => one.width * one.normal.dot(&(mobility * one.normal)),
+            Observation::Crossing(one) => Crossing::width(&(mobility * one.normal), &one.change),
             Observation::Contact(..) => 0.0,
         });
         let largest = moved.fold(0.0, f64::max);
@@ -348,11 +348,11 @@ impl Problem<'_> {
                 Observation::Contact(..) => None,
             });
             let mut crossings: Vec<_> = crossings.collect();
-            let squares = crossings.iter().map(|one| one.width * one.width);
+            let square = |one: &Crossing| Crossing::width(&one.normal, &one.change).powi(2);
+            let squares = crossings.iter().map(|one| square(one));
             let mean = squares.sum::<f64>() / crossings.len().max(1) as f64;
             for one in &mut crossings {
-                let more = (mean - one.width * one.width).max(0.0) / 12.0;
-                one.std = libm::hypot(one.std, more.sqrt());
+                one.variance += (mean - square(one)).max(0.0) / 12.0;
             }
         }
         data
