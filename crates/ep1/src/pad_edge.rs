@@ -495,7 +495,8 @@ fn is_rolling(mobility: &Matrix2<f64>) -> bool {
     mobility.determinant() > 0.0 && mobility.trace() > 0.0
 }
 
-fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
+/// The symmetric matrix with the entries uu, uv, vv.
+pub(crate) fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
     Matrix2::new(entries.x, entries.y, entries.y, entries.z)
 }
 

@@ -185,10 +185,21 @@ impl<const N: usize> RollFit<N> {
         roll: &RollData,
         noise: &FitNoise,
         shape: &LocalShape,
+        covariance: &SMatrix<f64, N, N>,
         path: &mut Vec<PathPoint>,
     ) -> Option<()> {
         roll.rotations
             .path(shape, &(self.error * self.ratio), path)?;
+        // The contact depends on the product of the mobility and the rotation error. The mean of the product of their
+        // estimation errors would bias the estimate, so it is subtracted.
+        let mut product = Vector2::zeros();
+        if N == 3 {
+            let of_errors = self.response.fixed_rows::<2>(2);
+            let joint = covariance.fixed_rows::<3>(0) * of_errors.transpose();
+            product.x = joint[(0, 0)] + joint[(1, 1)];
+            product.y = joint[(1, 0)] + joint[(2, 1)];
+        }
+        let product = shape.relative() * product;
         let frame = StartFrame::new(&self.start);
         let mut of_shape = SMatrix::<f64, N, N>::zeros();
         let mut mixed = SMatrix::<f64, 4, N>::zeros();
@@ -319,8 +330,9 @@ impl<const N: usize> RollFit<N> {
         }
         for part in 0..2 {
             own[(part + 2, part + 2)] += error_prior;
-            own_gradient[part + 2] -= error_prior * self.error[part];
-            chi_squared += error_prior * self.error[part] * self.error[part];
+            let error = self.error[part] + product[part];
+            own_gradient[part + 2] -= error_prior * error;
+            chi_squared += error_prior * error * error;
         }
         let inverse = own.cholesky()?.inverse();
         self.response = -inverse * mixed;
@@ -366,7 +378,7 @@ impl<const N: usize> SeriesFit<N> {
             fit.information = SMatrix::zeros();
             (fit.chi_squared, fit.freedom) = (0.0, 0);
             for (roll, state) in rolls.iter().zip(&mut fit.rolls) {
-                state.linearise(roll, noise, &fit.shape, &mut path)?;
+                state.linearise(roll, noise, &fit.shape, &fit.covariance, &mut path)?;
                 fit.information += state.information;
                 gradient += state.gradient;
                 fit.chi_squared += state.chi_squared;

@@ -2,11 +2,11 @@
 
 mod trajectory;
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Crossing, Run, crossings};
-use crate::pad_edge::{BoundedRoll, PadEdgeSet};
+use crate::pad_edge::{BoundedRoll, PadEdgeSet, matrix};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::{are_reversed, check, groups, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MIN_ANGLE, RollRotations, drive_of};
@@ -32,6 +32,10 @@ const MAX_TRIES: usize = 16;
 /// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
 /// deviation of the start. This distance is a little more than half a pad.
 const MAX_START: f64 = 2.2;
+/// A wider prior of unknown starts has the standard deviation of the usual prior, times this factor. It is the pitch.
+const WIDE_PRIOR: f64 = 3.5;
+/// The wider prior of unknown starts is used if it increases the variance of the estimate at most by this factor.
+const MAX_INCREASE: f64 = 1.5;
 /// A fit ends if the coefficients of the shape change by less than this value.
 const TOLERANCE: f64 = 1e-8;
 /// Tolerance of a fit that only provides a first guess for the set of mobilities (contact travels per radian) that
@@ -67,6 +71,31 @@ pub fn estimate_series(
         reports: vec![RollReport::default(); rolls.len()],
     };
     problem.estimate()
+}
+
+/// The fit `first` to crossings of pad edges with less bias. Contacts that cross an edge start nearer to this edge on
+/// average, so the prior of the starts biases the estimate. If the readings determine the mobility (contact travel per
+/// radian) nearly as well with a wider prior, the result is a fit with this prior. The mobility is unbiased, but not its
+/// inverse, so the mean of the inverse's error is subtracted.
+fn unbiased(
+    mut data: Vec<RollData>,
+    noise: &FitNoise,
+    first: SeriesFit<3>,
+) -> Option<SeriesFit<3>> {
+    for roll in data.iter_mut().filter(|roll| roll.start_limit.is_finite()) {
+        roll.start_std *= WIDE_PRIOR;
+        roll.start_limit = f64::INFINITY;
+    }
+    let variance = |fit: &SeriesFit<3>| fit.covariance.trace();
+    let mut fit = SeriesFit::new(&data, noise, first.shape, TOLERANCE)
+        .filter(|fit| variance(fit) < MAX_INCREASE * variance(&first))
+        .unwrap_or(first);
+    let relative = fit.shape.relative();
+    let root = fit.covariance.cholesky()?.l();
+    let errors = root.column_iter().map(|error| matrix(&error.into()));
+    let squares: Matrix2<f64> = errors.map(|error| error * relative * error).sum();
+    fit.shape = LocalShape::of_mobility(&(relative.try_inverse()? + squares))?;
+    Some(fit)
 }
 
 struct Problem<'r> {
@@ -136,7 +165,11 @@ impl Problem<'_> {
                 SeriesMethod::Trajectory => self.trajectory(&data, &noise, &first),
                 SeriesMethod::PadEdge => {
                     let worst = self.p_values(&data, &first);
-                    (self.of_fit(&first, 1), worst)
+                    let found = unbiased(data, &noise, first);
+                    (
+                        self.of_fit(&found.ok_or(SeriesError::NotRolling)?, 1),
+                        worst,
+                    )
                 }
             };
             if !self.leaves_out(worst) {
