@@ -23,7 +23,7 @@ use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_ser
 use super::roll_warnings::{ORIENTATIONS, has_common_rotation};
 use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
-use palpate_study::config::LengthUnit;
+use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Unit, Warning};
 
 /// √6. If a shift is the difference of two places that are rounded to multiples of a step, the standard deviation of its
@@ -411,7 +411,18 @@ pub fn estimate_roll(
         fail(explained(message, error.into()))
     };
 
-    if let Some(series) = estimate_of_series(&recorded, options, unit).map_err(fail)? {
+    let series = estimate_of_series(&recorded, options, unit).map_err(fail)?;
+    if series.is_none() && !is_of_ends {
+        let mut options = options.clone();
+        options.estimator = RollEstimatorConfig::LeastSquares;
+        options.series.start = None;
+        return Ok(RollEstimate {
+            repeated,
+            lost_samples,
+            ..estimate_roll(recorded, &options)?
+        });
+    }
+    if let Some(series) = series {
         let has_pads = recorded.series.as_ref().is_some_and(|one| one.has_pads);
         let estimate = series.estimate();
         return Ok(RollEstimate {

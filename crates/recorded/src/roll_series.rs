@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::error::explained;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
+use super::single_direction::single_direction;
 
 /// Largest accepted distance of a pad from the lattice of the other pads, relative to the pitch. Small distances occur,
 /// because numbers in files are rounded.
@@ -93,7 +94,8 @@ pub(super) const QUANTITIES: [(&str, Quantity); 6] = [
     ("principal_curvature_max", Quantity::PrincipalMax),
 ];
 
-/// The estimate by the chosen method for time series; `None` if the chosen method is least squares.
+/// The estimate by the chosen method for time series; `None` if the chosen method is least squares, or if only least
+/// squares can estimate a curvature, because all rolls are in one direction.
 ///
 /// # Errors
 /// A message if the readings are no time series, or if they do not determine the curvature.
@@ -170,6 +172,13 @@ pub(super) fn estimate_of_series(
     // under the assumption that it is constant (method `pad-edge`).
     if estimate.is_err() && chosen_because.is_some() && has_pads {
         (name, estimate) = ("pad-edge", fit(SeriesMethod::PadEdge));
+    }
+    // Rolls in one direction determine only the curvature in this direction, which least squares estimates.
+    let may_change =
+        chosen_because.is_some() || matches!(estimate, Err(SeriesError::Undetermined { .. }));
+    let single = |()| single_direction(&recorded.readings, radius, &options.noise).ok()?;
+    if may_change.then_some(()).and_then(single).is_some() {
+        return Ok(None);
     }
     let estimate = estimate.map_err(|error| refused(recorded, readings, error))?;
     Ok(Some(SeriesResult {
