@@ -8,7 +8,7 @@ use crate::crossings::{Run, edge_samples};
 use crate::feasible_set::{EdgeRow, OPEN, Programs, RollRows, distribution, furthest_change};
 use crate::roll_fit::{STEP, moved, slopes_at};
 use crate::rolled_path::{LocalShape, RollRotations, StartFrame};
-use crate::symmetric::largest_spread;
+use crate::symmetric::{is_rolling, largest_spread, matrix};
 use crate::{PadCell, Quantity, RollSample, RollSeries};
 
 /// The bounds are linearised repeatedly to find an extreme value over the set of possible mobilities (contact travels
@@ -487,17 +487,6 @@ impl PadEdgeSet {
             [[outer[0].max(-1.0), inner[0]], [inner[1], outer[1]]]
         })
     }
-}
-
-/// Whether a contact with this mobility (travel per radian) rolls, that is, whether the matrix is positive definite.
-/// The matrix may also be the inverse of a mobility.
-fn is_rolling(mobility: &Matrix2<f64>) -> bool {
-    mobility.determinant() > 0.0 && mobility.trace() > 0.0
-}
-
-/// The symmetric matrix with the entries uu, uv, vv.
-pub(crate) fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
-    Matrix2::new(entries.x, entries.y, entries.y, entries.z)
 }
 
 /// Gradient of `tr(slopes · δ)` with respect to the entries uu, uv, vv of the symmetric matrix δ.

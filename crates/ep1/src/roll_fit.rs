@@ -106,7 +106,7 @@ pub(crate) struct RollFit<const N: usize> {
     step: Vector4<f64>,
     /// Derivatives of the roll's own unknowns (two components of its start, two of its rotation error) with respect to
     /// the coefficients of the shape.
-    response: SMatrix<f64, 4, N>,
+    pub(crate) response: SMatrix<f64, 4, N>,
     /// Position of the contact that is farthest from the start on the object, in the frame that is carried along the
     /// path.
     pub(crate) end: Vector2<f64>,
@@ -148,12 +148,6 @@ impl<const N: usize> RollFit<N> {
         }
     }
 
-    /// Derivatives of the roll's start with respect to the entries uu, uv, vv of the mobility (contact travel per
-    /// radian).
-    pub(crate) fn start_response(&self) -> Matrix2x3<f64> {
-        self.response.fixed_view::<2, 3>(0, 0).into_owned()
-    }
-
     /// Paths of the contact. For each path, one unknown is changed a little. The unknowns are three entries of the
     /// curvature form or of the mobility (contact travel per radian), and two components of the roll's rotation error.
     ///
@@ -190,16 +184,11 @@ impl<const N: usize> RollFit<N> {
     ) -> Option<()> {
         roll.rotations
             .path(shape, &(self.error * self.ratio), path)?;
+        let relative = shape.relative();
         // The contact depends on the product of the mobility and the rotation error. The mean of the product of their
         // estimation errors would bias the estimate, so it is subtracted.
-        let mut product = Vector2::zeros();
-        if N == 3 {
-            let of_errors = self.response.fixed_rows::<2>(2);
-            let joint = covariance.fixed_rows::<3>(0) * of_errors.transpose();
-            product.x = joint[(0, 0)] + joint[(1, 1)];
-            product.y = joint[(1, 0)] + joint[(2, 1)];
-        }
-        let product = shape.relative() * product;
+        let joint = covariance.fixed_rows::<3>(0) * self.response.fixed_rows::<2>(2).transpose();
+        let product = relative * Vector2::new(joint[0] + joint[4], joint[1] + joint[5]);
         let frame = StartFrame::new(&self.start);
         let mut of_shape = SMatrix::<f64, N, N>::zeros();
         let mut mixed = SMatrix::<f64, 4, N>::zeros();
@@ -208,7 +197,6 @@ impl<const N: usize> RollFit<N> {
         let mut own_gradient = Vector4::zeros();
         let (mut chi_squared, mut count) = (0.0, 0);
         let knows_error = noise.relative_roll_std == 0.0;
-        let relative = shape.relative();
         let measured = roll.rotations.rotations();
         // All or none of the derivatives must include the effect of the spin.
         let is_mixed = N == 3 && roll.rotations.is_spun();
@@ -330,7 +318,7 @@ impl<const N: usize> RollFit<N> {
         }
         for part in 0..2 {
             own[(part + 2, part + 2)] += error_prior;
-            let error = self.error[part] + product[part];
+            let error = self.error[part] + if N == 3 { product[part] } else { 0.0 };
             own_gradient[part + 2] -= error_prior * error;
             chi_squared += error_prior * error * error;
         }

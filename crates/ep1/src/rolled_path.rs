@@ -14,6 +14,8 @@
 
 use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, UnitQuaternion, Vector2, Vector3};
 
+use crate::symmetric::is_rolling;
+
 /// Largest number of terms of the polynomial that describes the curvature along a path.
 pub(crate) const MAX_TERMS: usize = 4;
 /// Number of coefficients of a polynomial with [`MAX_TERMS`] terms.
@@ -182,7 +184,7 @@ impl RollRotations {
             frame: Matrix3::identity(),
             x: Vector2::zeros(),
             drive: Vector2::zeros(),
-            mobility: positive(shape.relative().try_inverse()?)?,
+            mobility: shape.relative().try_inverse().filter(is_rolling)?,
             spin: 0.0,
         };
         let turned = Vector3::new(error.y, -error.x, 0.0);
@@ -263,7 +265,7 @@ impl PathPoint {
         } else {
             for _ in 0..NEWTON_STEPS {
                 let (at_x, relative) = shape.drive(&x);
-                mobility = positive(relative.try_inverse()?)?;
+                mobility = relative.try_inverse().filter(is_rolling)?;
                 let step = mobility * (drive - at_x);
                 x += step;
                 if step.amax() < SMALL_STEP {
@@ -319,12 +321,6 @@ fn spun(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
         cos * vector.x - sin * vector.y,
         sin * vector.x + cos * vector.y,
     )
-}
-
-/// Returns `mobility` (contact travel per radian) if it is positive definite, as for a rolling contact, otherwise
-/// `None`.
-fn positive(mobility: Matrix2<f64>) -> Option<Matrix2<f64>> {
-    (mobility.determinant() > 0.0 && mobility.trace() > 0.0).then_some(mobility)
 }
 
 /// The ratios `sin(a)/a` and `(1 − cos(a))/a²` for the angle a whose square is `square`.

@@ -6,7 +6,7 @@ use palpate_statistics::{GoodnessOfFit, NORMAL_95, student_half_width};
 
 use crate::feasible_set::normal_nodes;
 use crate::pad_edge::PadEdgeSet;
-use crate::symmetric::inverse_slopes;
+use crate::symmetric::{inverse_slopes, is_rolling, matrix};
 use crate::{Estimate, Measured};
 
 /// A curvature of the object at the common start of the rolls, in the axes of the pads.
@@ -139,13 +139,13 @@ impl SeriesEstimate {
         let mean: Vector3<f64> = parts.sum();
         let squares = shares.map(|(share, one)| {
             let apart = one.entries() - mean;
-            (one.covariance_matrix() + apart * apart.transpose()) * share
+            (Matrix3::from(one.covariance) + apart * apart.transpose()) * share
         });
         let covariance: Matrix3<f64> = squares.sum();
         let [k_uu, k_vv, k_uv] = mean.into();
         Some(Self {
             curvature: CurvatureForm { k_uu, k_uv, k_vv },
-            covariance: [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)])),
+            covariance: covariance.into(),
             ..weighted.clone().next()?.1.clone()
         })
     }
@@ -156,15 +156,10 @@ impl SeriesEstimate {
         Vector3::new(k_uu, k_vv, k_uv)
     }
 
-    fn covariance_matrix(&self) -> Matrix3<f64> {
-        Matrix3::from_fn(|row, at| self.covariance[row][at])
-    }
-
     /// Adds the covariance `apart apartᵀ` of one more error to the covariance of the entries `k_uu`, `k_vv` and `k_uv`
     /// of the curvature form. `apart` contains the size of this error in each entry.
     pub(crate) fn widen(&mut self, apart: Vector3<f64>) {
-        let covariance = self.covariance_matrix() + apart * apart.transpose();
-        self.covariance = [0, 1, 2].map(|row| [0, 1, 2].map(|at| covariance[(row, at)]));
+        self.covariance = (Matrix3::from(self.covariance) + apart * apart.transpose()).into();
     }
 
     /// The estimate without intervals, as [`LeastSquares`](crate::LeastSquares) returns it.
@@ -338,12 +333,10 @@ impl SeriesEstimate {
         let root = (covariance + floor).cholesky().map(|root| root.unpack());
         let root = root.unwrap_or_default() * (self.half_width() / NORMAL_95).min(1e3);
         normal_nodes().iter().map(move |node| {
-            let change = root * node.node;
-            let drawn = centre + Matrix2::new(change.x, change.y, change.y, change.z);
-            let is_rolling = drawn.determinant() > 0.0 && drawn.trace() > 0.0;
+            let drawn = centre + matrix(&(root * node.node));
             match is_form_normal {
                 true => Some(drawn),
-                false => drawn.try_inverse().filter(|_| is_rolling),
+                false => drawn.try_inverse().filter(is_rolling),
             }
         })
     }

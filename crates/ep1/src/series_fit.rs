@@ -6,12 +6,12 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use palpate_statistics::{GoodnessOfFit, chi_squared_tail, ratio_tail};
 
 use crate::crossings::{Crossing, Run, crossings};
-use crate::pad_edge::{BoundedRoll, PadEdgeSet, matrix};
+use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{EstimatedNoise, FitNoise, MIN_SHARE, Observation, RollData, SeriesFit};
 use crate::roll_series::{are_reversed, check, groups, undetermined};
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MIN_ANGLE, RollRotations, drive_of};
 use crate::series_estimate::Uncertainty;
-use crate::symmetric::{inverse_slopes, largest_spread};
+use crate::symmetric::{inverse_slopes, largest_spread, matrix};
 use crate::{
     Exclusion, PadCell, Places, RollReport, RollSample, RollSeries, SeriesError, SeriesEstimate,
     SeriesMethod, SeriesNoise,
@@ -274,7 +274,7 @@ impl Problem<'_> {
             let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape, width)?;
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
-                bounded.response = fit.rolls[at].start_response();
+                bounded.response = fit.rolls[at].response.fixed_view::<2, 3>(0, 0).into();
             }
             rolls.push(bounded);
         }
@@ -347,12 +347,11 @@ impl Problem<'_> {
                     if found.is_empty() {
                         report.left_out = Some(Exclusion::NoCrossing);
                     }
-                    let at = |one: &Crossing| one.sample as f64 + 0.5;
-                    let found = found
-                        .into_iter()
-                        .map(|one| (at(&one), one.rotation, Some(Observation::Crossing(one))));
                     let mut all = groups(samples, scale, false, bend);
-                    all.extend(found);
+                    all.extend(found.into_iter().map(|one| {
+                        let at = one.sample as f64 + 0.5;
+                        (at, one.rotation, Some(Observation::Crossing(one)))
+                    }));
                     (all, pitch / 12.0_f64.sqrt())
                 }
                 Places::Contacts { .. } => (groups(samples, scale, true, bend), f64::INFINITY),

@@ -117,16 +117,22 @@ impl Symmetric3 {
     }
 }
 
+/// Whether a contact with this mobility (travel per radian) rolls, that is, whether the matrix is positive definite.
+/// The matrix may also be the inverse of a mobility.
+pub(crate) fn is_rolling(mobility: &Matrix2<f64>) -> bool {
+    mobility.determinant() > 0.0 && mobility.trace() > 0.0
+}
+
+/// The symmetric matrix with the entries uu, uv, vv.
+pub(crate) fn matrix(entries: &Vector3<f64>) -> Matrix2<f64> {
+    Matrix2::new(entries.x, entries.y, entries.y, entries.z)
+}
+
 /// Derivatives of the entries uu, uv, vv of the inverse of a mobility (contact travel per radian) with respect to the
 /// entries of the mobility. `relative` is this inverse.
 pub(crate) fn inverse_slopes(relative: &Matrix2<f64>) -> Matrix3<f64> {
-    let units = [
-        Matrix2::new(1.0, 0.0, 0.0, 0.0),
-        Matrix2::new(0.0, 1.0, 1.0, 0.0),
-        Matrix2::new(0.0, 0.0, 0.0, 1.0),
-    ];
-    let columns = units.map(|unit| {
-        let change = -(relative * unit * relative);
+    let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|unit| {
+        let change = -(relative * matrix(&unit) * relative);
         Vector3::new(change[(0, 0)], change[(0, 1)], change[(1, 1)])
     });
     Matrix3::from_columns(&columns)

@@ -21,7 +21,7 @@ use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::roll_series::{LeftOutProbe, QUANTITIES, SeriesResult, estimate_of_series};
 use super::roll_warnings::{ORIENTATIONS, has_common_rotation};
-use super::single_direction::{DirectedCurvature, residual_along, single_direction};
+use super::single_direction::{DirectedCurvature, single_direction};
 use super::value::{FORMAT_VERSION, Value};
 use palpate_study::config::{LengthUnit, RollEstimatorConfig};
 use palpate_study::{Unit, Warning};
@@ -32,9 +32,9 @@ const STEPS_PER_STD: f64 = 2.449_489_742_783_178;
 /// Residuals up to this fraction of the mean length of the contacts' paths are rounding errors of the computation. The
 /// noise is not estimated from them.
 const MIN_RESIDUAL: f64 = 1e-12;
-/// If all rolls are in one direction, the noise follows from the residuals along it, but is at least this share of the
-/// noise that follows from all residuals. Residuals that are even smaller are equal only by chance.
-const MIN_ALONG: f64 = 0.1;
+/// If all rolls are in one direction, the noise follows from the residuals along it. The sum of their squares counts as
+/// at least this share of the sum for all residuals, because smaller residuals may be rounding errors.
+const MIN_SHARE_ALONG: f64 = 0.01;
 /// Source of the standard errors if they follow from the steps of the shifts.
 pub(super) const OF_RESIDUALS: &str = "the residuals";
 pub(super) const FROM_STEPS: &str = "the steps of the shifts";
@@ -492,12 +492,17 @@ pub fn estimate_roll(
             FROM_STEPS
         }
         _ => {
-            let (std, freedom) = single.as_ref().map_or((residual, freedom), |(angle, ..)| {
-                residual_along(*angle, &estimate, &fitted_readings[..readings.len()])
-            });
-            noise.shift_std = std.max(MIN_ALONG * residual);
+            let (mut squares, mut rows) = (residual * residual * freedom as f64, freedom);
+            // Rolls in one direction: only the residuals along the path contain the noise of the rotations.
+            if let Some((angle, ..)) = &single {
+                let across = Vector2::new(-libm::sin(*angle), libm::cos(*angle));
+                let across = readings.iter().map(|one| one.shift.dot(&across).powi(2));
+                squares = (squares - across.sum::<f64>()).max(MIN_SHARE_ALONG * squares);
+                rows = readings.len() - 1;
+            }
+            noise.shift_std = (squares / rows as f64).sqrt();
             (fitted, estimate) = fit(noise)?;
-            noise_freedom = Some(freedom);
+            noise_freedom = Some(rows);
             OF_RESIDUALS
         }
     };

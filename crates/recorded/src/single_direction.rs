@@ -100,24 +100,6 @@ pub(super) fn single_direction(
     Ok(angle.is_finite().then_some((angle, fitted, noise)))
 }
 
-/// Root mean square of the residuals along a path with the direction `angle` (rad, from u towards v), and its degrees of
-/// freedom. Only these residuals contain the noise of the rotations. `readings` and `estimate` are those of the fit
-/// without the artificial roll.
-pub(super) fn residual_along(
-    angle: f64,
-    estimate: &Estimate,
-    readings: &[ProbeReading],
-) -> (f64, usize) {
-    let (sin, cos) = libm::sincos(angle);
-    let apart = |one: &ProbeReading| one.shift - estimate.shift(&one.rotation);
-    let along = readings
-        .iter()
-        .map(|one| apart(one).dot(&Vector2::new(cos, sin)));
-    let freedom = readings.len().saturating_sub(1).max(1);
-    let square = along.map(|along| along * along).sum::<f64>() / freedom as f64;
-    (square.sqrt(), freedom)
-}
-
 impl DirectedCurvature {
     /// The curvature along a path with the direction `angle` (rad, from u towards v). `estimate` must be computed from
     /// the readings that [`single_direction`] returns.

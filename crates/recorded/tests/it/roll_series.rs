@@ -83,6 +83,24 @@ fn auto_bounds_the_curvature_if_few_edges_are_crossed() {
 }
 
 #[test]
+fn series_in_one_direction_determine_the_curvature_along_it() {
+    let rolls = flattening(200, 12, 0.1, 0.0).into_iter();
+    let one_way: Vec<_> = rolls.filter(|row| row[0] % 6.0 == 0.0).collect();
+    for method in ["auto", "pad-edge", "trajectory"] {
+        let settings = json!({ "kind": method, "pitch": 0.1, "rotation_std_rad": 1e-4 });
+        let found = estimate(&table(&one_way), &settings).unwrap();
+        assert_eq!(found["method"], "least-squares");
+        let along = &found["single_direction"]["curvature_along"];
+        let [low, high] = [0, 1].map(|end| along["interval95"][end].as_f64().unwrap());
+        let truth = 1.0 / RADII[1];
+        assert!(
+            low < truth && truth < high && high - low < 0.2 * truth,
+            "{along}"
+        );
+    }
+}
+
+#[test]
 fn unusable_series_are_refused() {
     let sound = table(&rows(200));
     let pad_edge = json!({ "kind": "pad-edge", "pitch": PITCH });
