@@ -271,6 +271,11 @@ impl Problem<'_> {
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];
             let runs = &self.runs[roll.roll];
+            // Repetitions of a roll do not narrow the set, but would narrow the distribution in it.
+            let is_same = |one: &RollData| self.runs[one.roll] == *runs;
+            if runs.len() > 1 && data[..at].iter().any(is_same) {
+                continue;
+            }
             let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape, width)?;
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
@@ -348,11 +353,21 @@ impl Problem<'_> {
                         report.left_out = Some(Exclusion::NoCrossing);
                     }
                     let mut all = groups(samples, scale, false, bend);
-                    all.extend(found.into_iter().map(|one| {
+                    // Rolls that change pads at the same samples share the errors of these changes. Therefore increase
+                    // the errors so that the mean of these rolls has the error of one roll.
+                    let runs = &self.runs[roll];
+                    let is_same = |other: &&Vec<Run>| {
+                        let firsts = other.iter().zip(runs);
+                        other.len() == runs.len()
+                            && firsts.into_iter().all(|(a, b)| a.first == b.first)
+                    };
+                    let growth = (self.runs.iter().filter(is_same).count() as f64).sqrt();
+                    all.extend(found.into_iter().map(|mut one| {
                         let at = one.sample as f64 + 0.5;
+                        one.change *= growth;
                         (at, one.rotation, Some(Observation::Crossing(one)))
                     }));
-                    (all, pitch / 12.0_f64.sqrt())
+                    (all, growth * pitch / 12.0_f64.sqrt())
                 }
                 Places::Contacts { .. } => (groups(samples, scale, true, bend), f64::INFINITY),
             };
