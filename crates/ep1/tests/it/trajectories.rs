@@ -8,7 +8,7 @@ use palpate_ep1::{
 use palpate_geometry::{Ellipsoid, Graph, Shape, Sphere, Surface};
 use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 
-use crate::ball_rolls::{EXACT, RADIUS, SQUARE, chart, on_squares, rolls, without_starts};
+use crate::ball_rolls::{EXACT, RADIUS, SQUARE, chart, on_squares, pad, rolls, without_starts};
 use crate::draws::Draws;
 
 /// Rolls of a probe of radius 1 on `shape`, with contact points in 30 samples. The rolling equations are integrated.
@@ -202,4 +202,38 @@ fn trajectories_are_found_from_exact_pads() {
         held += u32::from(low < 1.0 && 1.0 < high);
     }
     assert!(held >= 90, "{held}");
+}
+
+/// All rolls start at the middle of a pad, and each is repeated five times, so repetitions have the same errors of pad
+/// changes.
+#[test]
+fn repetitions_of_rolls_do_not_narrow_the_interval() {
+    let (mut draws, mut held) = (Draws(16), [0, 0]);
+    let noise = SeriesNoise {
+        rotation_std_rad: 1e-4,
+        ..EXACT
+    };
+    for trial in 0..40 {
+        let mut rolls = without_starts(&rolls(47.0, &SQUARE, 0.1 * f64::from(trial), &mut draws));
+        for roll in &mut rolls {
+            roll.samples = roll.samples.iter().step_by(5).copied().collect();
+            for sample in &mut roll.samples {
+                let drive = Vector2::new(-sample.rotation.y, sample.rotation.x);
+                sample.place = pad(&SQUARE, &(drive / (1.0 / RADIUS + 1.0 / 47.0)));
+            }
+        }
+        let mut rolls = [(); 5].map(|()| rolls.clone()).concat();
+        for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
+            sample.rotation += Vector3::from_fn(|_, _| draws.normal()) * 1e-4;
+        }
+        for (held, method) in held
+            .iter_mut()
+            .zip([SeriesMethod::Trajectory, SeriesMethod::PadEdge])
+        {
+            let found = on_squares(method, &noise, &rolls).unwrap();
+            let [low, high] = found.interval95(Quantity::Mean);
+            *held += u32::from(low < Some(1.0 / 47.0) && Some(1.0 / 47.0) < high);
+        }
+    }
+    assert!(held.iter().all(|held| *held >= 35), "{held:?}");
 }
