@@ -379,6 +379,10 @@ impl<'r> GlideFitResult<'r> {
             .flatten()
             .map(|found| stated_noise(stated, &found, unit));
         let stroke = self.stroke.as_ref();
+        let noise = match &self.surface {
+            Surface::Graph(graph) => graph.1.fit.noise,
+            Surface::Shape(fit) => fit.noise,
+        };
         let (fitted, distinct, shape) = match &self.surface {
             // If there are copies, use the fitted contacts, which do not contain them.
             Surface::Graph(graph) => match has_copies {
@@ -413,7 +417,7 @@ impl<'r> GlideFitResult<'r> {
             .chain(Warning::of("assumed-columns", unused))
             .chain(left_out(&used.outliers, recorded))
             .chain(correlated(&used.readings, recorded.has_normals()))
-            .chain(two_groups(fitted, normal, distinct))
+            .chain(two_groups(fitted, normal, noise, distinct))
             .chain(self.stroke.map(|stroke| across(&stroke, unit)))
             .chain(of_shape)
             .chain(misfits)
