@@ -58,8 +58,9 @@ const MIN_GRADIENT: f64 = 0.3;
 /// Two groups are separated by a gap if its width, relative to [`Split::gap_ratio`], exceeds this value. In the gap,
 /// contacts do not contradict a smooth surface that follows both groups.
 const MIN_GAP: f64 = 0.5;
-/// Largest degree of the polynomials that are compared with two surfaces that a gap separates.
-const MAX_DEGREE_ACROSS_GAP: i32 = 3;
+/// Largest degrees of the polynomials that are compared with two surfaces that a gap separates, and with two surfaces
+/// whose gap is also wider than the smaller group.
+const MAX_DEGREES_ACROSS_GAP: [i32; 2] = [4, 3];
 /// A term is left out of a fit if the earlier terms almost reproduce it: if the sum of squares of the rest is at most
 /// this share of the term's sum of squares.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -120,11 +121,12 @@ fn compare(
     let correlation = correlation.min(MAX_CORRELATION);
     let share = (1.0 - correlation) / (1.0 + correlation);
     let share = share.min(distinct as f64 / count);
-    let has_gap = split.gap_ratio(&patch.samples) > MIN_GAP;
+    let gap = split.gap_ratio(&patch.samples);
+    let has_gap = gap > MIN_GAP;
     // Two planes are more plausible than a polynomial of a higher degree that bends only between them.
     let degree = match split.unknowns {
         3 => 2,
-        _ if has_gap => MAX_DEGREE_ACROSS_GAP,
+        _ if has_gap => MAX_DEGREES_ACROSS_GAP[usize::from(gap > 1.0)],
         _ => MAX_DEGREE,
     };
     let of_one = of_polynomials(&terms, &split.weights, degree);
