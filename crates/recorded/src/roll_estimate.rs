@@ -210,7 +210,7 @@ impl RollEstimate {
 
     /// Smallest and largest value of each curvature that is compatible with the readings, if the rotations and the pads
     /// are exact. `None` if the rotations have noise.
-    fn bounds(&self) -> Option<BTreeMap<&'static str, [Option<f64>; 2]>> {
+    pub(super) fn bounds(&self) -> Option<BTreeMap<&'static str, [Option<f64>; 2]>> {
         let estimate = &self.series.as_ref()?.estimate;
         let bounds = |(name, quantity)| Some((name, estimate.bounds(quantity)?));
         QUANTITIES.into_iter().map(bounds).collect()

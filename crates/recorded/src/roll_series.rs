@@ -4,14 +4,16 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{
-    Estimate, Exclusion, PadCell, Places, ProbeReading, Quantity, RollSample, RollSeries,
-    SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise, estimate_series,
+    Ep1Error, Estimate, Exclusion, LeastSquares, PadCell, Places, ProbeReading, Quantity,
+    RollSample, RollSeries, SeriesError, SeriesEstimate, SeriesMethod, SeriesNoise,
+    estimate_series,
 };
 use palpate_statistics::Number;
 use palpate_study::config::LengthUnit;
 use serde::Serialize;
 
 use super::error::explained;
+use super::frame_pair::median;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::single_direction::single_direction;
@@ -19,6 +21,12 @@ use super::single_direction::single_direction;
 /// Largest accepted distance of a pad from the lattice of the other pads, relative to the pitch. Small distances occur,
 /// because numbers in files are rounded.
 const MAX_PAD_ERROR: f64 = 0.02;
+
+/// Largest usual rotation in the first sample of a roll, relative to the rotation of the whole roll.
+const MAX_FIRST_TURN: f64 = 0.2;
+/// The sizes of rotations and shifts may agree although their axes do not. Least squares then shows that the contact does
+/// not roll. This is tested if the p-value of the estimate is below this value, or if there is no estimate.
+const MIN_P_VALUE: f64 = 0.005;
 
 /// Settings of the methods for time series. Lengths are in the unit of the readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -61,6 +69,27 @@ impl SeriesReadings {
             })
         };
         self.rolls.iter().filter_map(ends).collect()
+    }
+
+    /// Question about rotation vectors that are far from 0 in the first samples of the rolls.
+    pub(super) fn turned_starts(&self) -> Option<String> {
+        let ends = |roll: &RollSeries| {
+            Some([roll.samples.first()?, roll.farthest()?].map(|one| one.rotation))
+        };
+        let ends = || {
+            self.rolls
+                .iter()
+                .filter(|roll| roll.samples.len() > 1)
+                .filter_map(ends)
+        };
+        let first = median(ends().map(|[first, _]| first.norm()))?;
+        let turned = median(ends().map(|[first, last]| (last - first).norm()))?;
+        (first > MAX_FIRST_TURN * turned).then(|| {
+            format!(
+                "the rotations of the first samples are {} rad (median), not 0: are all rotations since the start of their roll?",
+                Number::rounded(first)
+            )
+        })
     }
 }
 
@@ -180,7 +209,19 @@ pub(super) fn estimate_of_series(
     if may_change.then_some(()).and_then(single).is_some() {
         return Ok(None);
     }
-    let estimate = estimate.map_err(|error| refused(recorded, readings, error))?;
+    let is_poor = |one: &SeriesEstimate| one.goodness.is_some_and(|one| one.p_value < MIN_P_VALUE);
+    if estimate.as_ref().map_or(true, is_poor)
+        && let Err(error @ Ep1Error::NotRolling { .. }) =
+            LeastSquares::fitted(radius, options.noise, &recorded.readings)
+    {
+        let message = format!("{error}; check the signs and axes of the rotations");
+        return Err(explained(message, error.into()));
+    }
+    let estimate = estimate.map_err(|error| {
+        let refused = refused(recorded, readings, error);
+        let turned = readings.turned_starts();
+        turned.map_or(refused.clone(), |turned| format!("{turned} {refused}"))
+    })?;
     Ok(Some(SeriesResult {
         method: name,
         estimate,

@@ -95,6 +95,7 @@ impl RollEstimate {
             .chain(left_out)
             .chain(misfits.iter().map(|misfit| words.warning(misfit)))
             .chain(self.bent_paths())
+            .chain(Warning::of("units", self.turned_starts()))
             .chain(Warning::of("poor-fit", self.common_rotation()))
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of("units", self.mixed_units()))
@@ -117,6 +118,13 @@ impl RollEstimate {
         (p_value < MIN_P_VALUE).then(|| Warning::new("poor-fit", text, [("p_value", p_value)]))
     }
 
+    fn turned_starts(&self) -> Option<String> {
+        let readings = self.recorded.series.as_ref()?;
+        readings
+            .turned_starts()
+            .filter(|_| !readings.has_start_rotations)
+    }
+
     fn common_rotation(&self) -> Option<String> {
         let is_row = self.recorded.series.is_none();
         let found = has_common_rotation(&self.recorded.readings, self.residual);
@@ -127,8 +135,11 @@ impl RollEstimate {
     fn few_crossings(&self) -> Option<String> {
         let series = self.series.as_ref()?;
         series.estimate.has_few_crossings().then(|| {
-            "the contacts cross few edges of pads: use `bounds`, because the estimated curvatures are only the middle of a wide range; roll further, in more directions, or with finer pads"
-                .to_owned()
+            let range = match self.bounds() {
+                Some(_) => ": use `bounds`, because the estimated curvatures are only the middle of a wide range",
+                None => ", or the pads at an edge alternate: the estimated curvatures are only the middle of a wide range",
+            };
+            format!("the contacts cross few edges of pads{range}; roll further, in more directions, or with finer pads, or use method trajectory")
         })
     }
 

@@ -117,6 +117,12 @@ fn unusable_series_are_refused() {
         }
         table(&rows)
     };
+    let changed = |change: fn(&mut [f64; 6])| {
+        let mut rows = rows(200);
+        rows.iter_mut().for_each(change);
+        table(&rows)
+    };
+    let trajectory = json!({ "kind": "trajectory", "pitch": PITCH });
     let rolls =
         "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.5,4,0\n1,0.5,0,0,4\n";
     let contacts = sound.replacen("pad_u_mm,pad_v_mm", "contact_u_mm,contact_v_mm", 1);
@@ -144,7 +150,17 @@ fn unusable_series_are_refused() {
         (
             turned([1.0, -1.0]),
             &pad_edge,
-            "the contact moved against the direction of the rolls",
+            "against the direction of the roll: this is not a rolling contact",
+        ),
+        (
+            changed(|row| row.swap(4, 5)),
+            &pad_edge,
+            "this is not a rolling contact; check the signs and axes of the rotations",
+        ),
+        (
+            changed(|row| row.swap(4, 5)),
+            &trajectory,
+            "this is not a rolling contact; check the signs and axes of the rotations",
         ),
         (
             rolls.to_owned(),
@@ -171,6 +187,12 @@ fn unusable_series_are_refused() {
         let error = estimate(&table, settings).unwrap_err();
         assert!(error.contains(words), "{error}");
     }
+    let late = changed(|row| row[2] += 0.25 * (row[0] - 1.0));
+    let said = estimate(&late, &pad_edge).unwrap()["warnings"].to_string();
+    assert!(
+        said.contains("the rotations of the first samples are 0.25 rad"),
+        "{said}"
+    );
 }
 
 /// A pitch replaces the pitch of given options, but not the arrangement of their pads and the start of their rolls.
