@@ -238,8 +238,12 @@ fn lost_values(roll: &RollSeries, min_step: f64) -> Vec<f64> {
 /// multiple of the pitch. Returns 0 if there is no such length that is longer than 1/1000 of the longest component,
 /// because shorter lengths may be due to the number of digits.
 pub(super) fn common_step(readings: &[ProbeReading]) -> f64 {
-    let parts = |one: &ProbeReading| [one.shift.x.abs(), one.shift.y.abs()];
-    let lengths: Vec<f64> = readings.iter().flat_map(parts).collect();
+    step_of(readings.iter().flat_map(|one| [one.shift.x, one.shift.y]))
+}
+
+/// Like [`common_step`], for any numbers.
+pub(super) fn step_of(numbers: impl Iterator<Item = f64>) -> f64 {
+    let lengths: Vec<f64> = numbers.map(f64::abs).collect();
     let longest = lengths.iter().copied().fold(0.0, f64::max);
     let least = MIN_STEP_SHARE * longest;
     // Euclid's algorithm for the greatest common divisor, with a tolerance.

@@ -436,7 +436,8 @@ pub fn estimate_roll(
             estimate,
             freedom: None,
             std_from: match (options.series.noise == SeriesNoise::default(), has_pads) {
-                (true, true) => "the pads' edges",
+                (true, true) if series.noise == SeriesNoise::default() => "the pads' edges",
+                (true, true) => "the steps of the rotations",
                 (true, false) if options.series.contact_std == 0.0 => OF_RESIDUALS,
                 _ => "the stated noise",
             },

@@ -14,6 +14,7 @@ use serde::Serialize;
 
 use super::error::explained;
 use super::frame_pair::median;
+use super::lost_rolls::step_of;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
 use super::single_direction::single_direction;
@@ -97,6 +98,8 @@ impl SeriesReadings {
 pub(super) struct SeriesResult {
     pub(super) method: &'static str,
     pub(super) estimate: SeriesEstimate,
+    /// The stated noise, or else the rounding errors of rotations that are multiples of a large step.
+    pub(super) noise: SeriesNoise,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -195,7 +198,13 @@ pub(super) fn estimate_of_series(
         }
     }
     let radius = options.probe_radius;
-    let fit = |method| estimate_series(method, radius, &places, &series.noise, &readings.rolls);
+    let mut noise = series.noise;
+    if has_pads && noise == SeriesNoise::default() {
+        let samples = readings.rolls.iter().flat_map(|roll| &roll.samples);
+        let step = step_of(samples.flat_map(|one| [one.rotation.x, one.rotation.y]));
+        noise.rotation_std_rad = step / 12_f64.sqrt();
+    }
+    let fit = |method| estimate_series(method, radius, &places, &noise, &readings.rolls);
     let mut estimate = fit(method);
     // If the readings do not determine how the curvature changes along the roll, they may still bound the curvature
     // under the assumption that it is constant (method `pad-edge`).
@@ -225,6 +234,7 @@ pub(super) fn estimate_of_series(
     Ok(Some(SeriesResult {
         method: name,
         estimate,
+        noise,
     }))
 }
 

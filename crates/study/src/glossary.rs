@@ -151,7 +151,7 @@ subjects! {
         "effect": "Sensitivity of an estimate to a field: the change of the logarithm of the rms error, divided by the change of the logarithm of the field's value. It is 1 if the rms error is proportional to the value. `rms_errors` are the rms errors for the two compared values of the field. Usually, one value is below and one is above the value in the config. `skipped` lists fields without a result.";
         "meets": "Ranges of values that meet the `target` of `design`; `misses` are the ranges of values that miss it. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
-        "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, the steps of the shifts, or the residuals.";
+        "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, the steps of the shifts or rotations, or the residuals.";
         "terms": "Number of terms that describe the curvature along a roll in a fit of time series. With 1 term, the curvature is constant.";
         "bounds": "Smallest and largest curvature that agree with all samples in the time series of the rolls, if the rotations are exact. A bound that does not exist is null.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \

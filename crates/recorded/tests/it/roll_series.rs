@@ -100,6 +100,27 @@ fn series_in_one_direction_determine_the_curvature_along_it() {
     }
 }
 
+/// Rotations with three decimals. As exact rotations, they would contradict the pads, or give an interval without the
+/// true curvature.
+#[test]
+fn rounded_rotations_have_noise() {
+    for samples in [100, 1000] {
+        let mut rows = flattening(samples, 8, PITCH, 0.0);
+        for row in &mut rows {
+            [row[2], row[3]] = [row[2], row[3]].map(|angle| (angle * 1e3).round() / 1e3);
+        }
+        let settings = json!({ "kind": "pad-edge", "pitch": PITCH });
+        let found = estimate(&table(&rows), &settings).unwrap();
+        assert_eq!(found["std_from"], "the steps of the rotations");
+        let [low, high] = [0, 1].map(|end| found["mean_curvature"]["interval95"][end].as_f64());
+        let truth = Some(1.0 / RADII[1]);
+        assert!(
+            low < truth && truth < high && found["left_out"] == json!([]),
+            "{found}"
+        );
+    }
+}
+
 #[test]
 fn unusable_series_are_refused() {
     let sound = table(&rows(200));
