@@ -406,6 +406,7 @@ pub fn estimate_roll(
             Ep1Error::NotFinite { probe } => {
                 format!("probe {}: the reading is not finite", recorded.probe(probe))
             }
+            Ep1Error::TooFewProbes { .. } => recorded.with_note(&error),
             Ep1Error::Unresolved { radius_below, .. } if radius_below.is_some() => {
                 format!("{error} {}", unit.as_str())
             }

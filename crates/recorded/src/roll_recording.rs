@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::fmt::Display;
 
 use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{ProbeReading, RollSample, RollSeries};
@@ -279,6 +280,13 @@ impl RollRecording {
             Some(reading(rotation.x, rotation.y, moved.x, moved.y))
         };
         series.rolls.iter().filter_map(farthest).collect()
+    }
+
+    /// The text of an error about too few rolls. If the file does not name the rolls, the text states how they were
+    /// separated.
+    pub(super) fn with_note(&self, error: &dyn Display) -> String {
+        let note = self.note.as_ref();
+        note.map_or(error.to_string(), |note| format!("{error}; {note}"))
     }
 
     /// Number of the probe to which a reading belongs, as the file states it; for arrays, the index of the probe.

@@ -257,6 +257,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
             "no constant curvature agrees with the rotations and pads of all probes; probe {} contradicts the other probes most: state the noise of the rotations, or use method trajectory",
             recorded.probe(roll)
         ),
+        SeriesError::TooFewRolls { .. } => recorded.with_note(&error),
         _ => error.to_string(),
     };
     explained(message, error.into())

@@ -184,6 +184,11 @@ fn unusable_series_are_refused() {
             "this is not a rolling contact; check the signs and axes of the rotations",
         ),
         (
+            "time_s,rotation_x_rad,rotation_y_rad,pad_u_mm,pad_v_mm\n0,0,0,0,0\n1,0,-0.5,4,0\n9,0,0,0,0\n".to_owned(),
+            &pad_edge,
+            "no column `probe`: blank lines, or times that do not increase, separate 1 probe",
+        ),
+        (
             rolls.to_owned(),
             &pad_edge,
             "setting `kind` pad-edge needs rolls as time series",
