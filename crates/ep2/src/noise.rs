@@ -46,6 +46,10 @@ const MAX_MULTIPLE: u8 = 10;
 /// With at most this number of different values, all differences may be multiples of the step, because the values are
 /// those of a few strokes.
 const MAX_FEW_LEVELS: usize = 8;
+/// Largest number of decimals with which coordinates count as rounded, and the largest accepted error of a coordinate,
+/// in units of its last decimal.
+const MAX_DECIMALS: u8 = 9;
+const MAX_DECIMAL_ERROR: f64 = 1e-3;
 /// Contacts face one axis if the mean magnitude of their normals' components along this axis exceeds this value.
 const MIN_FACING: f64 = 0.7;
 
@@ -53,13 +57,29 @@ const MIN_FACING: f64 = 0.7;
 /// step.
 pub(crate) const MIN_OUTLIER_STEPS: f64 = 1.5;
 
-/// For each coordinate of contacts, the step between its values if they are rounded; otherwise 0.
+/// How the coordinates of contacts are rounded.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Resolution(pub(crate) Vector3<f64>);
+pub(crate) struct Resolution {
+    /// For each coordinate, the step between its values if they are rounded; otherwise 0.
+    found: Vector3<f64>,
+    /// For each coordinate, the unit of the last decimal of its values; 0 if they have more than [`MAX_DECIMALS`].
+    pub(crate) decimals: Vector3<f64>,
+}
 
 impl Resolution {
     pub(crate) fn new<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone) -> Self {
-        Self(Vector3::from_fn(|axis, _| step(contacts.clone(), axis)))
+        Self {
+            found: Vector3::from_fn(|axis, _| step(contacts.clone(), axis)),
+            decimals: Vector3::from_fn(|axis, _| last_decimal(contacts.clone(), axis)),
+        }
+    }
+
+    /// The resolution after all coordinates are divided by `unit`.
+    pub(crate) fn in_unit(self, unit: f64) -> Self {
+        Self {
+            found: self.found / unit,
+            decimals: self.decimals / unit,
+        }
     }
 
     /// The steps that are assumed for contacts whose normals have components of the mean magnitudes `facing`. A
@@ -67,14 +87,26 @@ impl Resolution {
     /// rounded to large steps. Therefore the step of the coordinate that the contacts face is a limit for the others.
     pub(crate) fn steps(&self, facing: &Vector3<f64>) -> Vector3<f64> {
         let axis = facing.imax();
-        let mut sorted: [f64; 3] = self.0.into();
+        let mut sorted: [f64; 3] = self.found.into();
         sorted.sort_unstable_by(f64::total_cmp);
         let limit = match facing[axis] > MIN_FACING {
-            true => self.0[axis],
+            true => self.found[axis],
             false => sorted[1],
         };
-        self.0.map(|step| step.min(limit))
+        self.found.map(|step| step.min(limit))
     }
+}
+
+/// The unit of the last decimal of a coordinate; 0 if a value has more than [`MAX_DECIMALS`].
+fn last_decimal<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) -> f64 {
+    let is_multiple = |unit: &f64| {
+        contacts.clone().all(|contact| {
+            let number = contact.position[axis] / unit;
+            (number - libm::round(number)).abs() < MAX_DECIMAL_ERROR
+        })
+    };
+    let mut units = (0..=MAX_DECIMALS).map(|decimals| libm::pow(10.0, -f64::from(decimals)));
+    units.find(is_multiple).unwrap_or(0.0)
 }
 
 /// The step whose multiples are the differences between the values of a rounded coordinate; 0 if the coordinate is not

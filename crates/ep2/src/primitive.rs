@@ -219,7 +219,7 @@ impl Scaled {
             cloud: Cloud {
                 places: places.collect(),
                 normals: normals.collect(),
-                resolution: Resolution(resolution.0 / scale),
+                resolution: resolution.in_unit(scale),
                 rounding_variance: 0.0,
             },
             fingers: contacts.iter().map(|one| one.finger).collect(),

@@ -158,9 +158,14 @@ impl Rounding {
 }
 
 impl RoundedAxis {
-    /// Groups contacts with equal distances from the shape; `None` if only a few distances are equal. `variance` is the
-    /// mean square of the distances.
+    /// Groups contacts with equal distances from the shape; `None` if only a few distances are equal, or if the distances
+    /// are larger than the rounding errors of the last decimals. `variance` is the mean square of the distances.
     fn of_equal_distances(pose: &Pose, cloud: &Cloud, variance: f64) -> Option<Self> {
+        let normals = cloud.places.iter().map(|place| pose.normal_at(place).abs());
+        let step = cloud.resolution.decimals[normals.sum::<Vector3<f64>>().imax()];
+        if variance.sqrt() > MAX_ROUNDING_RATIO * step / 12.0_f64.sqrt() {
+            return None;
+        }
         let distances: Vec<f64> = cloud
             .places
             .iter()
