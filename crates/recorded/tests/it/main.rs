@@ -14,3 +14,4 @@ mod reading_files;
 mod roll_series;
 mod rotations;
 mod table_files;
+mod two_groups;
