@@ -12,7 +12,7 @@ use super::table_format::pair;
 use super::table_layout::is_of_rostopic;
 
 /// Maximum number of columns that an error lists.
-const MAX_NAMES: usize = 30;
+const MAX_NAMES: usize = 50;
 /// Maximum number of groups of similar columns, such as those of several fingers, that an error proposes to read.
 const MAX_GROUPS: usize = 10;
 

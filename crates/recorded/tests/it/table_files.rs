@@ -507,7 +507,7 @@ fn damaged_files_are_refused_with_the_reason() {
                 .map(|name| format!("c{name},"))
                 .collect::<String>()
                 .into(),
-            "`c29`, and 70 more; the columns must be",
+            "`c49`, and 50 more; the columns must be",
         ),
         (
             b"{\"x\":[1,2],\"y\":[1]}".to_vec(),
