@@ -59,7 +59,7 @@ pub(crate) struct Crossing {
     pub(crate) gap: f64,
     /// Rotation vector of the probe, from the start of the roll to the crossing.
     pub(crate) rotation: Vector3<f64>,
-    /// Variance (rad²) of the rotation due to noise.
+    /// Variance (rad²) of the rotation due to noise, and due to alternating pads if there are any.
     pub(crate) variance: f64,
     /// Drive (rotation vector, turned by 90°) from the last sample before the crossing to the next sample on another pad.
     pub(crate) change: Vector2<f64>,
@@ -68,8 +68,8 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Width of the range in which the active pad changes: the change of `across · drive` if the drive changes by
-    /// `change`.
+    /// Width of the range of `across · drive` in which the active pad changes. `change` is the change of the drive between
+    /// the samples before and after. The unit is rad if `across` is a unit vector.
     pub(crate) fn width(across: &Vector2<f64>, change: &Vector2<f64>) -> f64 {
         // If the path is nearly parallel to the edge, `change` has nearly no component across the edge. Then the
         // uncertain direction of the path limits the accuracy of the crossing, so the width has a lower limit.

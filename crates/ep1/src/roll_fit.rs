@@ -185,8 +185,9 @@ impl<const N: usize> RollFit<N> {
         roll.rotations
             .path(shape, &(self.error * self.ratio), path)?;
         let relative = shape.relative();
-        // The contact depends on the product of the mobility and the rotation error. The mean of the product of their
-        // estimation errors would bias the estimate, so it is subtracted.
+        // The contact depends on the product of the mobility and the rotation error. Their estimation errors are
+        // correlated, so this product has a bias. `product` is this bias as a rotation error. The prior of the rotation
+        // error below compensates for it.
         let joint = covariance.fixed_rows::<3>(0) * self.response.fixed_rows::<2>(2).transpose();
         let product = relative * Vector2::new(joint[0] + joint[4], joint[1] + joint[5]);
         let frame = StartFrame::new(&self.start);

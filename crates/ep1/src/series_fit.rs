@@ -32,7 +32,8 @@ const MAX_TRIES: usize = 16;
 /// Largest distance of a roll's start from the middle of its first pad along each axis, divided by the standard
 /// deviation of the start. This distance is a little more than half a pad.
 const MAX_START: f64 = 2.2;
-/// A wider prior of unknown starts has the standard deviation of the usual prior, times this factor. It is the pitch.
+/// Standard deviation of the wider prior of unknown starts, divided by that of the usual prior, which is the pitch/√12.
+/// The wider standard deviation is about one pitch.
 const WIDE_PRIOR: f64 = 3.5;
 /// The wider prior of unknown starts is used if it increases the variance of the estimate at most by this factor.
 const MAX_INCREASE: f64 = 1.5;
@@ -73,10 +74,10 @@ pub fn estimate_series(
     problem.estimate()
 }
 
-/// The fit `first` to crossings of pad edges with less bias. Contacts that cross an edge start nearer to this edge on
-/// average, so the prior of the starts biases the estimate. If the readings determine the mobility (contact travel per
-/// radian) nearly as well with a wider prior, the result is a fit with this prior. The mobility is unbiased, but not its
-/// inverse, so the mean of the inverse's error is subtracted.
+/// Reduces the bias of `first`, a fit to crossings of pad edges. A contact that crosses an edge started nearer to this edge
+/// on average, so the prior of the starts biases the estimate. Therefore a wider prior is used if it increases the
+/// variance of the mobility (contact travel per radian) only a little. The inverse of an unbiased mobility M is biased.
+/// To remove this bias to first order, M is increased by the mean of δ M⁻¹ δ, where δ is the error of M.
 fn unbiased(
     mut data: Vec<RollData>,
     noise: &FitNoise,
@@ -271,7 +272,8 @@ impl Problem<'_> {
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];
             let runs = &self.runs[roll.roll];
-            // Repetitions of a roll do not narrow the set, but would narrow the distribution in it.
+            // A roll with the same runs as an earlier roll adds no bound to the set of mobilities. But it would make the
+            // distribution of probability over the set too narrow, so it is skipped.
             let is_same = |one: &RollData| self.runs[one.roll] == *runs;
             if runs.len() > 1 && data[..at].iter().any(is_same) {
                 continue;
@@ -451,8 +453,8 @@ impl Problem<'_> {
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let lengths = fit.rolls.iter().map(|roll| roll.end.norm());
         let longest = lengths.fold(0.0, f64::max);
-        // If the noise is not stated and the residuals are very small, or are not the assumed noise, they are errors of
-        // the model. Then no roll is an outlier.
+        // If the noise is not stated, residuals that are very small or that contradict the noise model are errors of the
+        // contact model. Then no roll is an outlier.
         let is_small = |noise: EstimatedNoise| noise.mean_square.sqrt() < MIN_RESIDUAL * longest;
         let is_untested = |noise: EstimatedNoise| noise.misfit.is_some() || is_small(noise);
         if fit.estimated.is_some_and(is_untested) {

@@ -46,9 +46,9 @@ const MAX_MULTIPLE: u8 = 10;
 /// With at most this number of different values, all differences may be multiples of the step, because the values are
 /// those of a few strokes.
 const MAX_FEW_LEVELS: usize = 8;
-/// Largest number of decimals with which coordinates count as rounded, and the largest accepted error of a coordinate,
-/// in units of its last decimal.
+/// Coordinates with more decimals do not count as rounded.
 const MAX_DECIMALS: u8 = 9;
+/// Largest difference of a coordinate from its rounded value, divided by the unit of its last decimal.
 const MAX_DECIMAL_ERROR: f64 = 1e-3;
 /// Contacts face one axis if the mean magnitude of their normals' components along this axis exceeds this value.
 const MIN_FACING: f64 = 0.7;
@@ -62,7 +62,8 @@ pub(crate) const MIN_OUTLIER_STEPS: f64 = 1.5;
 pub(crate) struct Resolution {
     /// For each coordinate, the step between its values if they are rounded; otherwise 0.
     found: Vector3<f64>,
-    /// For each coordinate, the unit of the last decimal of its values; 0 if they have more than [`MAX_DECIMALS`].
+    /// For each coordinate, the unit of the last decimal of its values, such as 0.01 for two decimals; 0 if a value has
+    /// more than [`MAX_DECIMALS`] decimals.
     pub(crate) decimals: Vector3<f64>,
 }
 
@@ -97,7 +98,8 @@ impl Resolution {
     }
 }
 
-/// The unit of the last decimal of a coordinate; 0 if a value has more than [`MAX_DECIMALS`].
+/// The unit of the last decimal of a coordinate, such as 0.01 for two decimals; 0 if a value has more than
+/// [`MAX_DECIMALS`] decimals.
 fn last_decimal<'a>(contacts: impl Iterator<Item = &'a Contact> + Clone, axis: usize) -> f64 {
     let is_multiple = |unit: &f64| {
         contacts.clone().all(|contact| {

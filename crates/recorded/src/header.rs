@@ -13,7 +13,7 @@ use super::table_layout::is_of_rostopic;
 
 /// Maximum number of columns that an error lists.
 const MAX_NAMES: usize = 50;
-/// Maximum number of groups of similar columns, such as those of several fingers, that an error proposes to read.
+/// If a file has more groups of similar columns than this, such as those of many fingers, an error proposes none of them.
 const MAX_GROUPS: usize = 10;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -86,9 +86,9 @@ impl<'a> JsonTable<'a> {
             Ok(Object(members)) => table.read_object(file, text, members)?,
             Err(_) => table.rows = sequence(file, text, None)?,
         }
-        // A row with a lost reading may have fewer columns: a key is missing, or null stands for a vector. Therefore take
-        // the column names from the longest of the first rows without null and NaN. If each row contains null or NaN,
-        // take them from the first row.
+        // A row with a lost reading may lack a key, or have null instead of a vector. Therefore the column names are those
+        // of the longest row among the first rows without null and NaN. If each row contains null or NaN, the column
+        // names are those of the first row.
         let is_whole = |row: &str| !["null", "NaN"].iter().any(|lost| row.contains(lost));
         let is_whole = |&place: &usize| match &table.rows {
             Rows::Sequence { rows, .. } => is_whole(rows[place].0),
@@ -348,7 +348,7 @@ fn sequence<'a>(
 /// such table.
 fn indexed<'a>(members: &Members<'a>) -> Option<Rows<'a>> {
     let row = |(number, row): &(Cow<'a, str>, &'a RawValue)| {
-        // If this is a column instead of a row, its keys are the labels of the rows.
+        // The keys of a row are names of columns. An object whose keys are labels of rows is a column.
         let is_row = row.get().starts_with('{') && labelled_rows(row).is_none();
         Some((row_label(number).filter(|_| is_row)?, row.get()))
     };

@@ -160,7 +160,8 @@ impl RollRecording {
         let (radius, Some(series)) = (options.probe_radius, &self.series) else {
             return Ok(None);
         };
-        // Pads are not searched for such values: the value (0, 0) is the centre of a pad that may have been active.
+        // A sensor may write one value, such as 0, in both coordinates of a lost contact. Only contact points are
+        // searched for such values, because (0, 0) may be the centre of an active pad.
         let contacts = series.rolls.iter().filter(|_| !series.has_pads);
         let values = contacts.flat_map(|roll| lost_values(roll, MIN_STEP * radius));
         let mut values: Vec<f64> = values.collect();
@@ -189,7 +190,7 @@ impl RollRecording {
             let units = self.units(false, radius, unit);
             let units = units.map_or_else(String::new, |(more, _)| format!("; {more}"));
             return Err(self.source.fail(format!(
-                "{}: the contact ({u}, {v}) is far from the other contacts of its roll, or more than half of the probe's circumference from the origin; {count} have such lost contacts: leave these samples out{units}",
+                "{}: the contact ({u}, {v}) is far from the contacts before and after it, or more than half of the probe's circumference from the origin; {count} have such lost contacts: leave these samples out{units}",
                 at(&lost[0])
             )));
         }

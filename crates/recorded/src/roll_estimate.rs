@@ -35,8 +35,9 @@ const MIN_RESIDUAL: f64 = 1e-12;
 /// If all rolls are in one direction, the noise follows from the residuals along it. The sum of their squares counts as
 /// at least this share of the sum for all residuals, because smaller residuals may be rounding errors.
 const MIN_SHARE_ALONG: f64 = 0.01;
-/// Source of the standard errors if they follow from the steps of the shifts.
+/// Source of the standard errors if the noise is estimated from the residuals.
 pub(super) const OF_RESIDUALS: &str = "the residuals";
+/// Source of the standard errors if they follow from the steps of the shifts.
 pub(super) const FROM_STEPS: &str = "the steps of the shifts";
 /// Text in the output that states how the thresholds of the shape classes are computed.
 const THRESHOLDS_FROM: &str = "the mean arc length L of the contacts: the threshold of the mean curvature is 0.03 * 3 / (2 L), which is the 0.03 of the 1996 paper, scaled from its patch of 3 x 3 to a patch of 2 L x 2 L; the threshold of the Gaussian curvature is the square of this value";
@@ -245,7 +246,8 @@ impl RollEstimate {
         Some(names.into_iter().zip(all).collect())
     }
 
-    /// p-value of the goodness of fit for the stated noise; `None` if no noise is stated.
+    /// p-value of the goodness of fit for the stated noise. If no noise is stated, `None`, unless the residuals of a time
+    /// series contradict the noise model of the fit: then the p-value of this contradiction.
     pub fn p_value(&self) -> Option<f64> {
         if let Some(series) = &self.series {
             return Some(series.estimate.goodness?.p_value);

@@ -25,8 +25,8 @@ const MAX_PAD_ERROR: f64 = 0.02;
 
 /// Largest usual rotation in the first sample of a roll, relative to the rotation of the whole roll.
 const MAX_FIRST_TURN: f64 = 0.2;
-/// The sizes of rotations and shifts may agree although their axes do not. Least squares then shows that the contact does
-/// not roll. This is tested if the p-value of the estimate is below this value, or if there is no estimate.
+/// If the p-value of an estimate is below this value, or if there is no estimate, least squares tests whether the contact
+/// moved against the rolls, because the axes or signs of the rotations are wrong.
 const MIN_P_VALUE: f64 = 0.005;
 
 /// Settings of the methods for time series. Lengths are in the unit of the readings.
@@ -56,7 +56,8 @@ pub(super) struct SeriesReadings {
 impl SeriesReadings {
     /// The readings for least squares: rotation and shift of each probe from its first to its last sample.
     pub(super) fn ends(&self) -> Vec<ProbeReading> {
-        // A single sample among longer rolls shows no motion.
+        // If all rolls have a single sample, each sample states the motion since the start of its roll. If some rolls
+        // have more samples, a roll with a single sample has no measured motion.
         let are_single = self.rolls.iter().all(|roll| roll.samples.len() <= 1);
         let ends = |roll: &RollSeries| {
             let (first, last) = (roll.samples.first()?, roll.samples.last()?);
@@ -87,7 +88,7 @@ impl SeriesReadings {
         let turned = median(ends().map(|[first, last]| (last - first).norm()))?;
         (first > MAX_FIRST_TURN * turned).then(|| {
             format!(
-                "the rotations of the first samples are {} rad (median), not 0: are all rotations since the start of their roll?",
+                "the rotations of the first samples are {} rad (median), not 0: does each rotation state the turn since the start of its roll?",
                 Number::rounded(first)
             )
         })
@@ -98,7 +99,8 @@ impl SeriesReadings {
 pub(super) struct SeriesResult {
     pub(super) method: &'static str,
     pub(super) estimate: SeriesEstimate,
-    /// The stated noise, or else the rounding errors of rotations that are multiples of a large step.
+    /// The stated noise. If none is stated, and the positions are pads, it includes the rounding errors of rotations that
+    /// are multiples of a large step.
     pub(super) noise: SeriesNoise,
 }
 

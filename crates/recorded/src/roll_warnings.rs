@@ -108,7 +108,7 @@ impl RollEstimate {
             .collect()
     }
 
-    /// Warning about residuals of a time series that are not the assumed noise, although no noise is stated.
+    /// Warning about a time series without stated noise whose residuals contradict the noise model of the fit.
     fn bent_paths(&self) -> Option<Warning> {
         let p_value = self.p_value().filter(|_| self.std_from == OF_RESIDUALS)?;
         let shown = Number::rounded(p_value);

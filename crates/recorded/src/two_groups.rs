@@ -33,7 +33,7 @@ const MIN_INDEPENDENT: f64 = 26.0;
 const MIN_GROUP: usize = 9;
 /// Number of directions along which the contacts are sorted and then split into two groups.
 const LINES: usize = 16;
-/// Number of these directions if slopes are used.
+/// Like `LINES`, for the comparison of slopes, which takes longer.
 const LINES_OF_SLOPES: usize = 4;
 /// The contacts are sorted along `LINES` directions, by their order and by their fingers. This is the largest number of
 /// searches that start from splits of each of these sequences.
@@ -55,11 +55,11 @@ const HEIGHT: usize = 9;
 /// gradient at a contact, exceeds this value at all contacts. Two planes are a quadric too, but at their edge the
 /// gradient is 0, and on parallel planes it has two directions.
 const MIN_GRADIENT: f64 = 0.3;
-/// Two groups are separated by a gap if its width, relative to [`Split::gap_ratio`], exceeds this value. In the gap,
-/// contacts do not contradict a smooth surface that follows both groups.
+/// Two groups are separated by a gap if [`Split::gap_ratio`] exceeds this value. No contacts in a gap show
+/// how one surface would bend there. So the two surfaces are then compared only with polynomials of a low degree and an
+/// implicit quadric.
 const MIN_GAP: f64 = 0.5;
-/// Largest degrees of the polynomials that are compared with two surfaces that a gap separates, and with two surfaces
-/// whose gap is also wider than the smaller group.
+/// Largest degrees of these polynomials: first for a gap ratio of at most 1, then for a larger one.
 const MAX_DEGREES_ACROSS_GAP: [i32; 2] = [4, 3];
 /// A term is left out of a fit if the earlier terms almost reproduce it: if the sum of squares of the rest is at most
 /// this share of the term's sum of squares.
@@ -89,14 +89,15 @@ pub(super) fn two_groups(
         log_ratio = compare(ratio * change, LINES_OF_SLOPES)?.0;
     }
     (log_ratio > MIN_LOG_RATIO).then(|| {
-        let text = "two separate surfaces fit the contacts better than one surface: do they belong to two objects, or does the object have an edge or another feature that the estimated surface does not follow?";
+        let text = "two surfaces fit the contacts better than one surface: did the fingers touch two objects, or does the object have an edge that the estimated surface does not follow?";
         Warning::new("two-groups", text, [("log_ratio", log_ratio)])
     })
 }
 
-/// Logarithm of the likelihood ratio of two surfaces to one surface; 0 if it is too small or cannot be computed. The two
-/// surfaces are searched along `lines` directions. `ratio` is the assumed ratio of the standard deviations of heights
-/// and slopes; with 0, slopes are not used. The second result is the factor by which the two surfaces change the ratio.
+/// Logarithm of the likelihood ratio of two surfaces to one surface. It is 0 if there are too few independent contacts, or
+/// if the contacts are too far from the two surfaces. `None` if a fit fails. The two surfaces are searched along `lines`
+/// directions. `ratio` is the assumed ratio of the standard deviations of heights and slopes; with 0, slopes are not
+/// used. The second result is the ratio that follows from the residuals of the two surfaces, divided by `ratio`.
 fn compare(
     contacts: &[Contact],
     patch: &Patch,
@@ -152,7 +153,7 @@ fn compare(
     Some((log_ratio, change))
 }
 
-/// Sums of the squares of the components of `distances`.
+/// For each component, the sum of its squares over all `distances`.
 fn squares(distances: &[Vector3<f64>]) -> Vector3<f64> {
     distances.iter().map(|one| one.component_mul(one)).sum()
 }
@@ -263,8 +264,8 @@ impl Split {
     }
 }
 
-/// The two groups with the smallest information criterion. Planes, spheres, quadrics, and quadrics with a term w² are
-/// tried.
+/// Divides the contacts into the two groups with the smallest information criterion. The surfaces of both groups are
+/// planes, spheres, quadrics, or quadrics with a term w².
 fn best_split(contacts: &[Contact], terms: &[Terms], lines: usize) -> Option<Split> {
     let (count, total) = (terms.len(), terms.iter().map(|one| one.products).sum());
     let mut spheres: Family<4> = graphs(2);
@@ -316,10 +317,12 @@ fn best_split(contacts: &[Contact], terms: &[Terms], lines: usize) -> Option<Spl
     best
 }
 
-/// Searches for two groups of contacts, each on its own surface from `family`, from the groups `is_first` with the sum
-/// of products `sum`. In each step, the contacts where the surface of the first group is higher become the first group
-/// (lower if `sign` is −1). If the information criterion is smaller than that of `best`, the groups become the new
-/// `best`. `total` is the sum of the products of all contacts.
+/// Improves a division of the contacts into two groups. Each group has its own surface from `family`. In each step, a
+/// contact joins the first group if the surface of this group is the higher one at the contact (the lower one if `sign`
+/// is −1). A division with a smaller information criterion than `best` replaces `best`.
+///
+/// `is_first` states which contacts are in the first group at the start. `sum` is the sum of the products of these
+/// contacts, and `total` the sum of the products of all contacts.
 fn search<const N: usize>(
     best: &mut Option<Split>,
     (mut is_first, mut sum): (Vec<bool>, Products),
@@ -368,9 +371,10 @@ fn search<const N: usize>(
     }
 }
 
-/// Terms of an implicit quadric at a contact, and the contact's height, which is the last term. The other rows are their
-/// derivatives along two tangents, multiplied by the ratio of the standard deviations of heights and slopes. They are 0
-/// if the contact has no normal. `products` is the sum of the products of each row with itself.
+/// The first row of `rows` contains the terms of an implicit quadric at a contact and, as its last entry, the height of
+/// the contact. The other two rows are the derivatives of the first row along two tangents, multiplied by the ratio of the
+/// standard deviations of heights and slopes. They are 0 if slopes are not used. `products` is the sum of the products
+/// of each row with itself.
 struct Terms {
     rows: Rows,
     products: Products,

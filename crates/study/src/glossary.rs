@@ -151,7 +151,7 @@ subjects! {
         "effect": "Sensitivity of an estimate to a field: the change of the logarithm of the rms error, divided by the change of the logarithm of the field's value. It is 1 if the rms error is proportional to the value. `rms_errors` are the rms errors for the two compared values of the field. Usually, one value is below and one is above the value in the config. `skipped` lists fields without a result.";
         "meets": "Ranges of values that meet the `target` of `design`; `misses` are the ranges of values that miss it. `best_that_meets` is the best value of the field `sought`, `std_error` the standard error of the statistic, and `max_failures` the largest share of trials that may fail.";
         "main_failure": "Most frequent kind of failure of the trials. `first_trial` in failures.csv is the number of the first trial that failed in this way.";
-        "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch of the pads, the steps of the shifts or rotations, or the residuals.";
+        "std_from": "Source of the standard deviations of estimates from rolls: stated noise, the pitch or the edges of the pads, the steps of rounded shifts or rotations, or the residuals.";
         "terms": "Number of terms that describe the curvature along a roll in a fit of time series. With 1 term, the curvature is constant.";
         "bounds": "Smallest and largest curvature that agree with all samples in the time series of the rolls, if the rotations are exact. A bound that does not exist is null.";
         "unresolved_probes": "Rolls during which the contact stayed on one pad, with a bound on the \
@@ -171,7 +171,7 @@ subjects! {
     "Warnings about estimates" {
         "warnings": "Messages that the estimate may be wrong, each with a `code`, a `text` and `numbers`. If a statistical test of the readings caused the warning, `numbers` contains the `p_value` of the test. This is the probability that chance alone causes a contradiction between readings and model (or stated values) at least as large as the observed one.";
         "p-value": "Probability that noise of the stated size causes residuals at least as large as the observed ones, if the model holds. A small p-value means that the readings contradict the model or the stated noise.";
-        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls by `least-squares`, below 0.02). The stated noise is too small, or the model does not hold.";
+        "poor-fit": "Warning: the residuals are larger than the noise explains (p-value below 0.005; for rolls by `least-squares`, below 0.02). The stated noise is too small, or the model does not hold. For time series of rolls without stated noise, the paths of the contacts contradict the rotations.";
         "outlier": "Warning: one reading contradicts the others. `numbers` contains the index of this reading, counted from 0. Markers of a press that contradict the others strongly are not used in the fit at all.";
         "stated-noise": "Warning: the stated noise differs from the noise that the readings show, so the intervals are not reliable. Correct the stated noise, or do not state it.";
         "stated-pitch": "Warning about rolls. Either a contact moved by less than the stated pitch, but pads report only multiples of the pitch; or no pitch is stated, but all shifts are multiples of one length, as those of pads are.";

@@ -15,9 +15,9 @@ pub(crate) const MIN_SHARE: f64 = 0.01;
 /// this fit assumes for them, divided by the variance with which the readings determine them.
 const UNLIMITED: f64 = 1e8;
 
-/// Fits with equal weights and with the weights of the estimated noise agree within their errors. If the p-value of their
-/// difference is below this value, the residuals are not the assumed noise, and the weights are not used.
-const MIN_P_VALUE: f64 = 0.01;
+/// A fit with the weights that follow from the estimated noise is compared with a fit with equal weights. If the p-value of
+/// their difference is below this value, the noise is of another kind than assumed, and the weights are not used.
+const MIN_P_VALUE: f64 = 0.005;
 
 /// Normal equations of the relative rotation error that the samples of a roll share. The position at the start of the
 /// roll is eliminated from them.
@@ -42,8 +42,8 @@ pub(crate) struct EstimatedNoise {
     /// Degrees of freedom of the estimated noise in the covariance of the fit. The errors of the fit have Student's t
     /// distribution with these degrees of freedom.
     pub(crate) freedom: f64,
-    /// P-value of the difference between the fits with equal weights and with the weights of the estimated noise, if it
-    /// is so small that the weights are not used.
+    /// `None` if the fit uses the weights that follow from the estimated noise. If these weights change the fit by more
+    /// than its error, the fit uses equal weights, and this is the p-value of the change.
     pub(crate) misfit: Option<f64>,
 }
 

@@ -209,8 +209,8 @@ fn noisy_rotations_give_intervals_that_hold() {
     assert!(held >= 34, "{held} of {trials}");
 }
 
-/// All rotations of a roll have the same relative error. Each trial is repeated with the errors turned by 90°, so that
-/// their linear effects cancel.
+/// All rotations of a roll have the same relative error. Each trial runs four times, with the errors turned by 90° each
+/// time, so that their linear effects cancel.
 #[test]
 fn errors_of_the_measured_rotations_do_not_bias() {
     let noise = SeriesNoise {

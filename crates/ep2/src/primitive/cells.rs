@@ -20,11 +20,14 @@ const MAX_ROUNDING_RATIO: f64 = 2.0;
 /// below [`MIN_ROUNDING_P_VALUE`].
 const MIN_ROUNDING_SHARE: f64 = 0.25;
 const MIN_ROUNDING_P_VALUE: f64 = 0.01;
-/// Contacts whose distances from the shape differ by less than this share of the root mean square distance have the same
-/// error. Their number of errors must be at most `MAX_ERRORS` times the number of contacts. Otherwise some distances are
-/// equal by chance. If the root mean square distance is below `MIN_DISTANCE`, the contacts are exact.
+/// Two contacts have the same rounding error if their distances from the shape differ by less than this value, divided by
+/// the root mean square distance of all contacts.
 const MAX_DIFFERENCE: f64 = 1e-6;
+/// Largest number of different rounding errors, divided by the number of contacts. If there are more, equal errors may be
+/// equal by chance, and all errors count as different.
 const MAX_ERRORS: f64 = 0.7;
+/// Smallest root mean square distance of rounded contacts from the shape, in the unit of the contacts' spread. Contacts at
+/// smaller distances are exact.
 const MIN_DISTANCE: f64 = 1e-9;
 /// Rounding is neglected if its share of the variance of means of contacts is below this value.
 const MIN_ROUNDING_EFFECT: f64 = 1e-4;

@@ -278,7 +278,8 @@ fn rounded_rasters_on_a_pipe_have_few_errors() {
         assert!(!fit.is_none_of_these(), "{case}");
         holds(&fit, radius)
     });
-    // The deviations of other surfaces are also equal, but they are larger than the rounding errors.
+    // Contacts along a ridge of a wave also have equal distances from the fitted shape, but these are larger than the
+    // rounding errors.
     let wave = (0..441).map(|row| {
         let [x, y] = [row % 21, row / 21].map(|line| f64::from(line - 10));
         let height = ((x / 3.0).sin() * 1e6).round() / 1e6;

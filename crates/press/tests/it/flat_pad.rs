@@ -60,7 +60,7 @@ fn a_flat_pad_is_the_limit_of_large_radii() {
     }
 }
 
-/// Exact displacements contain only errors of the computation and of the printed digits. These blame no marker.
+/// Exact displacements contain only errors of the computation and of the printed digits. They must not make a marker an outlier.
 #[test]
 fn printed_digits_make_no_marker_wrong() {
     let (markers, body) = (grid(f64::INFINITY), Body::half_space(0.5, 0.0).unwrap());

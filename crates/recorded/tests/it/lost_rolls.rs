@@ -137,8 +137,7 @@ fn lost_samples_are_left_out_and_named() {
     );
 }
 
-/// The contacts of rolls in opposite directions are rounded by the same amount, so the residuals hardly show this error.
-/// The curvature is 0.04.
+/// Rolls in opposite directions have equal rounding errors, which the residuals hardly show. The true curvature is 0.04.
 #[test]
 fn shifts_in_steps_widen_the_interval() {
     let rolls = "probe,rotation_x_rad,rotation_y_rad,shift_u_mm,shift_v_mm\n0,0,-0.3,2,0\n1,0.3,0,0,2\n2,0,0.3,-2,0\n3,-0.3,0,0,-2\n";

@@ -36,8 +36,8 @@ fn only_groups_without_a_common_surface_cause_a_warning() {
     }
 }
 
-/// Three fingers with normals, the third on the same ball or on a smaller ball. Three straight strokes on two balls are
-/// also heights of one smooth surface, but not its slopes.
+/// Three fingers with normals, the third on the same ball or on a smaller ball. One smooth surface can
+/// follow the heights of three straight strokes on two balls, but not their normals.
 #[test]
 fn normals_reveal_a_finger_on_another_object() {
     for radius in [30.0, 15.0] {
@@ -97,8 +97,8 @@ fn touching_objects_cause_a_warning() {
     }
 }
 
-/// Ten fingers, five on each of two objects at the same place, or all on an object with an edge. If all are on one ball
-/// where they first rest, there is no warning.
+/// Five fingers touch one object and five touch another at the same place, or all ten touch an object with an edge. In the
+/// last case, all fingers touch one ball, and each records its first contact many times. Then there is no warning.
 #[test]
 fn two_surfaces_at_the_same_place_cause_a_warning() {
     let height = |radius: f64, x: f64, y: f64| (radius * radius - x * x - y * y).sqrt() - radius;
