@@ -100,6 +100,37 @@ fn series_in_one_direction_determine_the_curvature_along_it() {
     }
 }
 
+/// Each roll has an error of the rotation about the contact normal. The expected paths are bent, but the measured paths
+/// are straight.
+#[test]
+fn contact_paths_that_contradict_the_rotations_cause_a_warning() {
+    let mut table =
+        "probe,time_s,rotation_x_rad,rotation_y_rad,rotation_z_rad,contact_u_mm,contact_v_mm"
+            .to_owned();
+    for number in 0..8 {
+        let (sin, cos) = libm::sincos(0.25 + f64::from(number) * std::f64::consts::FRAC_PI_4);
+        let error = if number % 2 == 0 { 0.2 } else { -0.2 };
+        for sample in 0..100 {
+            let angle = 0.01 * f64::from(sample);
+            let [noise_u, noise_v] = <[f64; 2]>::from(libm::sincos(12.9898 * f64::from(sample)));
+            let [u, v] = [
+                8.0 * angle * cos + 0.02 * noise_u,
+                8.0 * angle * sin + 0.02 * noise_v,
+            ];
+            let [x, y, z] = [sin * angle, -cos * angle, error * angle];
+            table += &format!("\n{number},{angle},{x},{y},{z},{u},{v}");
+        }
+    }
+    let found = estimate(&table, &json!({ "kind": "trajectory" })).unwrap();
+    let said = found["warnings"].to_string();
+    assert!(
+        said.contains("the shapes of the contact paths contradict"),
+        "{found}"
+    );
+    let [low, high] = [0, 1].map(|end| found["mean_curvature"]["interval95"][end].as_f64());
+    assert!(low < Some(0.025) && Some(0.025) < high, "{found}");
+}
+
 /// Rotations with three decimals. As exact rotations, they would contradict the pads, or give an interval without the
 /// true curvature.
 #[test]
