@@ -13,8 +13,6 @@ use super::table_layout::is_of_rostopic;
 
 /// Maximum number of columns that an error lists.
 const MAX_NAMES: usize = 50;
-/// If a file has more groups of similar columns than this, such as those of many fingers, an error proposes none of them.
-const MAX_GROUPS: usize = 10;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Place {
@@ -331,9 +329,6 @@ impl<'a> Header<'a> {
         };
         let groups = std::iter::from_fn(|| self.proposed(missing, &mut rest));
         let mut groups: Vec<_> = groups.collect();
-        if groups.len() > MAX_GROUPS {
-            groups.clear();
-        }
         let (labels, others): (Vec<Column>, Vec<Column>) =
             (optional.iter()).partition(|column| matches!(column.name, "finger" | "probe"));
         let is_twice = |name: &&str| {

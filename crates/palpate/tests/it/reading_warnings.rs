@@ -161,6 +161,17 @@ fn implausible_rows_cause_warnings() {
     let line: String = (-6..6)
         .map(|x| format!("0,{x},0,{}\n", -0.01 * f64::from(x * x)))
         .collect();
+    let metres: String = (0..36)
+        .map(|row| {
+            let [x, y] = [row % 12 - 6, row / 12 - 1].map(f64::from);
+            format!(
+                "{},{x},{},{}\n",
+                row / 12,
+                5e-3 * y,
+                -0.01 * x * x - 0.25 * y * y
+            )
+        })
+        .collect();
     let (first, rest) = GLIDE.split_once('\n').unwrap();
     let (row, rest) = rest.split_once('\n').unwrap();
     let inward = scaled(&format!("{first}\n{row}\n"), &[4, 5, 6], -1.0);
@@ -171,6 +182,10 @@ fn implausible_rows_cause_warnings() {
             "do not determine their noise",
         ),
         (format!("finger,x_mm,y_mm,z_mm\n{line}"), "along one curve"),
+        (
+            format!("finger,x_mm,y_mm,z_mm\n{metres}"),
+            "y has a range of only",
+        ),
         (format!("{inward}{rest}"), "does its normal point inward?"),
     ] {
         let said = of_glide(&table);
