@@ -298,6 +298,12 @@ impl<const N: usize> RollFit<N> {
         // fit does not change it. In this case, its weight is 1, which only keeps the matrix invertible. Otherwise its
         // weight is the inverse of its prior variance.
         let prior = 1.0 / (roll.start_std * roll.start_std);
+        // The readings may not determine both components of the start. This is the number that they determine.
+        let of_start = own.fixed_view::<2, 2>(0, 0).into_owned();
+        let with_prior = of_start + Matrix2::from_diagonal_element(prior);
+        let determined = with_prior
+            .try_inverse()
+            .map(|inverse| (of_start * inverse).trace());
         let error_prior = match knows_error {
             true => 1.0,
             false => noise.relative_roll_std.powi(-2),
@@ -329,7 +335,8 @@ impl<const N: usize> RollFit<N> {
         self.information = of_shape + mixed.tr_mul(&self.response);
         self.gradient = gradient - mixed.tr_mul(&self.step);
         self.chi_squared = chi_squared;
-        self.freedom = count - if roll.is_start_known { 0 } else { count.min(2) };
+        let determined = determined.filter(|_| !roll.is_start_known).unwrap_or(0.0);
+        self.freedom = usize::saturating_sub(count, determined.round() as usize);
         let size = |one: &&PathPoint| one.x.norm_squared();
         let order = |one: &&PathPoint, other: &&PathPoint| size(one).total_cmp(&size(other));
         if let Some(farthest) = path.iter().max_by(order) {
@@ -446,6 +453,74 @@ impl<const N: usize> SeriesFit<N> {
         let fall = own + roll.gradient.dot(&(others * roll.gradient));
         fall.is_finite().then_some((fall, freedom))
     }
+}
+
+impl SeriesFit<3> {
+    /// The decreases of chi-squared if the curvature changes along the rolls, each with the number of additional
+    /// coefficients. The three kinds of change are any linear change, any linear and quadratic change, and the change
+    /// along a paraboloid from its apex. A kind that the readings do not determine is left out.
+    pub(crate) fn falls_with_change(
+        &self,
+        rolls: &[RollData],
+        noise: &FitNoise,
+    ) -> impl Iterator<Item = (f64, usize)> {
+        let mut shape = self.shape;
+        shape.terms = 3;
+        let mut information = SMatrix::<f64, 12, 12>::zeros();
+        let (mut gradient, mut path) = (SVector::<f64, 12>::zeros(), Vec::new());
+        for (roll, fitted) in rolls.iter().zip(&self.rolls) {
+            let mut state = RollFit::new(roll);
+            (state.start, state.error, state.ratio) = (fitted.start, fitted.error, fitted.ratio);
+            let done = state.linearise(roll, noise, &shape, &SMatrix::zeros(), &mut path);
+            if done.is_some() {
+                information += state.information;
+                gradient += state.gradient;
+            }
+        }
+        // The second derivative of the curvature at the apex of a paraboloid is proportional to the symmetric part of
+        // the product of k and k², where k is the curvature form.
+        let form = shape.relative() - Matrix2::identity();
+        let [[a, b], [_, c]]: [[f64; 2]; 2] = form.into();
+        let [[d, e], [_, f]]: [[f64; 2]; 2] = (form * form).into();
+        let bend = [
+            a * d,
+            0.5 * (a * e + b * d),
+            (a * f + c * d + 4.0 * b * e) / 6.0,
+            0.5 * (b * f + c * e),
+            c * f,
+        ];
+        let mut apex = SMatrix::<f64, 12, 4>::identity();
+        apex.set_column(
+            3,
+            &SVector::from_fn(|row, _| if row < 7 { 0.0 } else { bend[row - 7] }),
+        );
+        let constant = fall(&information, &gradient, &SMatrix::<f64, 12, 3>::identity());
+        let all = [
+            (
+                fall(&information, &gradient, &SMatrix::<f64, 12, 7>::identity()),
+                4,
+            ),
+            (
+                fall(&information, &gradient, &SMatrix::<f64, 12, 12>::identity()),
+                9,
+            ),
+            (fall(&information, &gradient, &apex), 1),
+        ];
+        all.into_iter()
+            .filter_map(move |(fall, more)| Some((fall? - constant?, more)))
+    }
+}
+
+/// The decrease of chi-squared in a linear fit whose unknowns are the coefficients of the columns of `basis`. `None` if
+/// the readings do not determine them.
+fn fall<const N: usize>(
+    information: &SMatrix<f64, 12, 12>,
+    gradient: &SVector<f64, 12>,
+    basis: &SMatrix<f64, 12, N>,
+) -> Option<f64> {
+    let along = basis.tr_mul(gradient);
+    let inverse = inverse_of(&basis.tr_mul(&(information * basis)))?;
+    Some(along.dot(&(inverse * along)))
 }
 
 /// Derivatives of the contact's position on the probe with respect to the unknowns of the shape, for a contact at `x`

@@ -70,6 +70,15 @@ pub enum SeriesError {
         /// Index (from 0) of the roll that contradicts the other rolls most.
         roll: usize,
     },
+    /// The curvature changes along the rolls, but the method assumes that it is constant.
+    #[error(
+        "the curvature changes along the rolls (p-value of a constant curvature {}): use method trajectory, or roll less far",
+        Number::rounded(*p_value)
+    )]
+    ChangingCurvature {
+        /// P-value: probability of such a change by chance if the curvature is constant.
+        p_value: f64,
+    },
     /// The contact moved against the direction of the rolls.
     #[error("the contact moved against the direction of the rolls: this is not a rolling contact")]
     NotRolling,

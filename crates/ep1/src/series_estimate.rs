@@ -80,6 +80,9 @@ pub struct SeriesEstimate {
     pub rolls: Vec<RollReport>,
     /// Goodness of fit; `None` if no noise is stated.
     pub goodness: Option<GoodnessOfFit>,
+    /// P-value of a change of the curvature along the rolls, if the method assumes that the curvature is constant, but
+    /// the readings show that it changes. The estimate is then wrong.
+    pub change: Option<f64>,
     radius: f64,
     pub(crate) arc_length: f64,
     uncertainty: Uncertainty,
@@ -106,6 +109,7 @@ impl SeriesEstimate {
             terms,
             rolls,
             goodness,
+            change: None,
             radius,
             arc_length,
             uncertainty,
@@ -122,6 +126,7 @@ impl SeriesEstimate {
             terms: 1,
             rolls: Vec::new(),
             goodness: None,
+            change: None,
             radius: 1.0 / estimate.probe_curvature,
             arc_length: estimate.arc_length,
             uncertainty: freedom.map_or(Uncertainty::NormalMobility, Uncertainty::Student),

@@ -22,6 +22,8 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 /// Readings are not exact if their p-value is below this value. The errors of exact crossings are uniformly distributed,
 /// so their p-value is very rarely so small.
 const EXACT_LEVEL: f64 = 0.05;
+/// The curvature changes along the rolls if the p-value of its change is below this value.
+const CHANGE_LEVEL: f64 = 1e-3;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
@@ -130,9 +132,10 @@ impl Problem<'_> {
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
             let mut first = SeriesFit::<3>::weighted(&data, &noise, LocalShape::FLAT, tolerance);
-            // If the curvature changes, a fit of constant curvature to exact readings may not converge. Its result is
-            // then still good enough as the start of fits with more terms.
-            if is_exact && first.is_none() {
+            // If the curvature changes, a fit of constant curvature to pads may not converge. Its result is then still
+            // good enough as the start of fits with more terms.
+            let is_converged = first.is_some();
+            if !is_converged && matches!(self.places, Places::Pads(_)) {
                 first = SeriesFit::new(&data, &noise, LocalShape::FLAT, ROUGH_TOLERANCE);
             }
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
@@ -165,18 +168,53 @@ impl Problem<'_> {
             let (found, worst) = match self.method {
                 SeriesMethod::Trajectory => self.trajectory(&data, &noise, &first),
                 SeriesMethod::PadEdge => {
-                    let worst = self.p_values(&data, &first);
-                    let found = unbiased(data, &noise, first);
-                    (
-                        self.of_fit(&found.ok_or(SeriesError::NotRolling)?, 1),
-                        worst,
-                    )
+                    let mut worst = self.p_values(&data, &first);
+                    let change = self.change(&data, &noise, &first, worst);
+                    if change.is_some() {
+                        worst = None;
+                    } else if worst.is_none() && !is_converged {
+                        return Err(undetermined(rolls));
+                    }
+                    let found = unbiased(data, &noise, first).ok_or(SeriesError::NotRolling)?;
+                    let mut found = self.of_fit(&found, 1);
+                    found.change = change;
+                    (found, worst)
                 }
             };
             if !self.leaves_out(worst) {
                 return Ok(found);
             }
         }
+    }
+
+    /// P-value of a change of the curvature along the rolls. `None` if the change is not significant, or if chi-squared
+    /// falls more without the roll `worst` than with the change. `fit` is the fit of a constant curvature.
+    fn change(
+        &self,
+        data: &[RollData],
+        noise: &FitNoise,
+        fit: &SeriesFit<3>,
+        worst: Option<usize>,
+    ) -> Option<f64> {
+        let mut rolls = data.iter().zip(&fit.rolls);
+        let worst = rolls.find(|(roll, _)| Some(roll.roll) == worst);
+        let without = worst.and_then(|(_, state)| fit.fall_without(state));
+        let criterion = |(fall, more): (f64, usize)| 2.0 * more as f64 - fall;
+        let is_better =
+            |one: &(f64, usize)| without.is_none_or(|without| criterion(*one) < criterion(without));
+        let p_value = |(fall, more): (f64, usize)| {
+            let rest = (fit.chi_squared - fall).max(0.0);
+            let freedom = fit.freedom.saturating_sub(more);
+            // If the residuals are too large for the noise even with the change, compare the change with them.
+            match rest > freedom.max(1) as f64 {
+                true => ratio_tail(fall, more, rest, freedom),
+                false => chi_squared_tail(fall, more),
+            }
+        };
+        let falls = fit.falls_with_change(data, noise).filter(is_better);
+        // The smallest of three p-values is below the level three times as often as each of them.
+        let p_value = 3.0 * falls.map(p_value).fold(1.0, f64::min);
+        (p_value < CHANGE_LEVEL).then_some(p_value)
     }
 
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
@@ -193,7 +231,8 @@ impl Problem<'_> {
         if !self.alternates()
             && let Some(set) = self.set(cell, data, fit, 0.0)
         {
-            return self.of_set(set);
+            let change = fit.and_then(|fit| self.change(data, noise, fit, None));
+            return self.of_set(set, change);
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
         // The first fit has a coarse tolerance. A very small set and the comparison of the rolls need a more accurate
@@ -203,11 +242,14 @@ impl Problem<'_> {
         // which pads alternate.
         let width = self.chatter(data, &fit.shape);
         if let Some(set) = self.set(cell, data, Some(&fit), width) {
-            return self.of_set(set);
+            return self.of_set(set, self.change(data, noise, &fit, None));
         }
         // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
         // most.
-        self.p_values(data, &fit);
+        let worst = self.p_values(data, &fit);
+        if let Some(p_value) = self.change(data, noise, &fit, worst) {
+            return Err(SeriesError::ChangingCurvature { p_value });
+        }
         let mut order: Vec<usize> = (0..data.len()).collect();
         let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
         order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
@@ -234,7 +276,7 @@ impl Problem<'_> {
         let kept = kept.filter(|report| report.left_out.is_none());
         kept.for_each(|report| report.p_value = None);
         match without {
-            Some((_, set)) => self.of_set(set),
+            Some((_, set)) => self.of_set(set, None),
             None => self.estimate(),
         }
     }
@@ -289,7 +331,7 @@ impl Problem<'_> {
     }
 
     /// The estimate that follows from a set of possible mobilities (contact travels per radian).
-    fn of_set(&self, set: PadEdgeSet) -> Result<SeriesEstimate, SeriesError> {
+    fn of_set(&self, set: PadEdgeSet, change: Option<f64>) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         if set.is_wide() && set.is_reversed() {
@@ -303,7 +345,9 @@ impl Problem<'_> {
         let paths: Vec<f64> = paths.collect();
         let covariance = set.covariance;
         let set = Uncertainty::Set(Box::new(set));
-        Ok(self.result(&shape, covariance, (true, 1), &paths, None, set))
+        let mut found = self.result(&shape, covariance, (true, 1), &paths, None, set);
+        found.change = change;
+        Ok(found)
     }
 
     /// Leaves out the roll `roll` as an outlier, and returns `true`. Returns `false` if `roll` is `None`, or if too

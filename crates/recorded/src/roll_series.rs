@@ -206,7 +206,13 @@ pub(super) fn estimate_of_series(
         let step = step_of(samples.flat_map(|one| [one.rotation.x, one.rotation.y]));
         noise.rotation_std_rad = step / 12_f64.sqrt();
     }
-    let fit = |method| estimate_series(method, radius, &places, &noise, &readings.rolls);
+    let fit = |method| {
+        let found = estimate_series(method, radius, &places, &noise, &readings.rolls)?;
+        match found.change {
+            Some(p_value) => Err(SeriesError::ChangingCurvature { p_value }),
+            None => Ok(found),
+        }
+    };
     let mut estimate = fit(method);
     // If the readings do not determine how the curvature changes along the roll, they may still bound the curvature
     // under the assumption that it is constant (method `pad-edge`).
