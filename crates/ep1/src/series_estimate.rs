@@ -83,6 +83,8 @@ pub struct SeriesEstimate {
     /// P-value of a change of the curvature along the rolls, if the method assumes that the curvature is constant, but
     /// the readings show that it changes. The estimate is then wrong.
     pub change: Option<f64>,
+    /// Whether the object may be a paraboloid on which a constant curvature would be wrong by many standard errors.
+    pub may_change: bool,
     radius: f64,
     pub(crate) arc_length: f64,
     uncertainty: Uncertainty,
@@ -110,6 +112,7 @@ impl SeriesEstimate {
             rolls,
             goodness,
             change: None,
+            may_change: false,
             radius,
             arc_length,
             uncertainty,
@@ -127,6 +130,7 @@ impl SeriesEstimate {
             rolls: Vec::new(),
             goodness: None,
             change: None,
+            may_change: false,
             radius: 1.0 / estimate.probe_curvature,
             arc_length: estimate.arc_length,
             uncertainty: freedom.map_or(Uncertainty::NormalMobility, Uncertainty::Student),

@@ -24,6 +24,9 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 const EXACT_LEVEL: f64 = 0.05;
 /// The curvature changes along the rolls if the p-value of its change is below this value.
 const CHANGE_LEVEL: f64 = 1e-3;
+/// If the object may be a paraboloid, and the estimate would then be wrong by more standard errors than this value, the
+/// readings do not show whether the curvature changes.
+const MAX_CHANGE: f64 = 10.0;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
@@ -170,14 +173,14 @@ impl Problem<'_> {
                 SeriesMethod::PadEdge => {
                     let mut worst = self.p_values(&data, &first);
                     let change = self.change(&data, &noise, &first, worst);
-                    if change.is_some() {
+                    if change.0.is_some() {
                         worst = None;
                     } else if worst.is_none() && !is_converged {
                         return Err(undetermined(rolls));
                     }
                     let found = unbiased(data, &noise, first).ok_or(SeriesError::NotRolling)?;
                     let mut found = self.of_fit(&found, 1);
-                    found.change = change;
+                    (found.change, found.may_change) = change;
                     (found, worst)
                 }
             };
@@ -188,14 +191,15 @@ impl Problem<'_> {
     }
 
     /// P-value of a change of the curvature along the rolls. `None` if the change is not significant, or if chi-squared
-    /// falls more without the roll `worst` than with the change. `fit` is the fit of a constant curvature.
+    /// falls more without the roll `worst` than with the change. The second result is whether the readings do not show
+    /// if the curvature changes. `fit` is the fit of a constant curvature.
     fn change(
         &self,
         data: &[RollData],
         noise: &FitNoise,
         fit: &SeriesFit<3>,
         worst: Option<usize>,
-    ) -> Option<f64> {
+    ) -> (Option<f64>, bool) {
         let mut rolls = data.iter().zip(&fit.rolls);
         let worst = rolls.find(|(roll, _)| Some(roll.roll) == worst);
         let without = worst.and_then(|(_, state)| fit.fall_without(state));
@@ -211,10 +215,12 @@ impl Problem<'_> {
                 false => chi_squared_tail(fall, more),
             }
         };
-        let falls = fit.falls_with_change(data, noise).filter(is_better);
+        let changed = fit.changed(data, noise);
+        let falls = changed.falls.into_iter().filter(is_better);
         // The smallest of three p-values is below the level three times as often as each of them.
         let p_value = 3.0 * falls.map(p_value).fold(1.0, f64::min);
-        (p_value < CHANGE_LEVEL).then_some(p_value)
+        let change = (p_value < CHANGE_LEVEL).then_some(p_value);
+        (change, changed.of_paraboloid > MAX_CHANGE)
     }
 
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
@@ -231,8 +237,8 @@ impl Problem<'_> {
         if !self.alternates()
             && let Some(set) = self.set(cell, data, fit, 0.0)
         {
-            let change = fit.and_then(|fit| self.change(data, noise, fit, None));
-            return self.of_set(set, change);
+            let change = fit.map(|fit| self.change(data, noise, fit, None));
+            return self.of_set(set, change.unwrap_or_default());
         }
         let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
         // The first fit has a coarse tolerance. A very small set and the comparison of the rolls need a more accurate
@@ -247,7 +253,7 @@ impl Problem<'_> {
         // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
         // most.
         let worst = self.p_values(data, &fit);
-        if let Some(p_value) = self.change(data, noise, &fit, worst) {
+        if let Some(p_value) = self.change(data, noise, &fit, worst).0 {
             return Err(SeriesError::ChangingCurvature { p_value });
         }
         let mut order: Vec<usize> = (0..data.len()).collect();
@@ -276,7 +282,7 @@ impl Problem<'_> {
         let kept = kept.filter(|report| report.left_out.is_none());
         kept.for_each(|report| report.p_value = None);
         match without {
-            Some((_, set)) => self.of_set(set, None),
+            Some((_, set)) => self.of_set(set, Default::default()),
             None => self.estimate(),
         }
     }
@@ -331,7 +337,11 @@ impl Problem<'_> {
     }
 
     /// The estimate that follows from a set of possible mobilities (contact travels per radian).
-    fn of_set(&self, set: PadEdgeSet, change: Option<f64>) -> Result<SeriesEstimate, SeriesError> {
+    fn of_set(
+        &self,
+        set: PadEdgeSet,
+        change: (Option<f64>, bool),
+    ) -> Result<SeriesEstimate, SeriesError> {
         let mobility = set.mobility();
         let shape = LocalShape::of_mobility(&mobility).ok_or(SeriesError::NotRolling)?;
         if set.is_wide() && set.is_reversed() {
@@ -346,7 +356,7 @@ impl Problem<'_> {
         let covariance = set.covariance;
         let set = Uncertainty::Set(Box::new(set));
         let mut found = self.result(&shape, covariance, (true, 1), &paths, None, set);
-        found.change = change;
+        (found.change, found.may_change) = change;
         Ok(found)
     }
 

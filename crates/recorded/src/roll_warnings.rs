@@ -100,6 +100,7 @@ impl RollEstimate {
             .chain(Warning::of("flat-object", self.flatness()))
             .chain(Warning::of("units", self.mixed_units()))
             .chain(Warning::of("few-crossings", self.few_crossings()))
+            .chain(Warning::of("changing-curvature", self.possible_change()))
             .chain(Warning::of(StatedQuantity::Pitch.code(), self.pitch()))
             .chain(Warning::of("units", self.rotation_noise(readings)))
             .chain(Warning::of("repeated-rows", self.repeated.clone()))
@@ -141,6 +142,11 @@ impl RollEstimate {
             };
             format!("the contacts cross few edges of pads{range}; roll further, in more directions, or with finer pads, or use method trajectory")
         })
+    }
+
+    fn possible_change(&self) -> Option<String> {
+        let series = self.series.as_ref()?;
+        series.estimate.may_change.then(|| "the readings do not show whether the curvature changes along the rolls; if it changes as on a paraboloid, the estimates are wrong by several half-widths of their intervals: use method trajectory, or roll less far with finer pads".to_owned())
     }
 
     /// Text of a warning if the object is so flat that rounding errors of the readings affect its estimated curvature;
