@@ -23,10 +23,16 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 /// so their p-value is very rarely so small.
 const EXACT_LEVEL: f64 = 0.05;
 /// The curvature changes along the rolls if the p-value of its change is below this value.
-const CHANGE_LEVEL: f64 = 1e-3;
+const CHANGE_LEVEL: f64 = 3e-3;
 /// If the object may be a paraboloid, and the estimate would then be wrong by more standard errors than this value, the
 /// readings do not show whether the curvature changes.
-const MAX_CHANGE: f64 = 10.0;
+const MAX_CHANGE: f64 = 8.0;
+/// A set of possible mobilities (contact travels per radian) is too small if the standard deviation of the mobility in
+/// the set is below this share of that of the fit. Exact rolls from unknown starts hardly ever have such a small set.
+/// A set may be nearly empty because the curvature is not quite constant.
+const MIN_SPREAD: f64 = 0.4;
+/// If a set is too small, the edges of pads are moved outward at most this number of times.
+const MAX_MOVES: usize = 6;
 /// If no noise is stated, rolls are tested as outliers only if the root-mean-square residual exceeds this share of the
 /// longest path.
 const MIN_RESIDUAL: f64 = 1e-3;
@@ -246,7 +252,8 @@ impl Problem<'_> {
         let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
         // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over
         // which pads alternate.
-        let width = self.chatter(data, &fit.shape);
+        let widths = Self::widths(data, &fit.shape).filter(|_| self.alternates());
+        let width = widths.fold(0.0, f64::max);
         if let Some(set) = self.set(cell, data, Some(&fit), width) {
             return self.of_set(set, self.change(data, noise, &fit, None));
         }
@@ -293,22 +300,46 @@ impl Problem<'_> {
         pairs.any(|pair| pair[0].last + 1 < pair[1].first && pair[0].centre != pair[1].centre)
     }
 
-    /// The largest distance across an edge, in radii of the probe, over which the pads on both sides were active
-    /// alternately. `shape` is the shape of the object.
-    fn chatter(&self, data: &[RollData], shape: &LocalShape) -> f64 {
+    /// The distances across the crossed edges, in radii of the probe, over which the active pad changed. `shape` is the
+    /// shape of the object.
+    fn widths(data: &[RollData], shape: &LocalShape) -> impl Iterator<Item = f64> + Clone {
         let mobility = shape.relative().try_inverse().unwrap_or_default();
         let observations = data.iter().flat_map(|roll| &roll.observations);
-        let moved = observations.map(|(_, one)| match one {
+        observations.map(move |(_, one)| match one {
             Observation::Crossing(one) => Crossing::width(&(mobility * one.normal), &one.change),
             Observation::Contact(..) => 0.0,
-        });
-        let largest = moved.fold(0.0, f64::max);
-        if self.alternates() { largest } else { 0.0 }
+        })
+    }
+
+    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. The edges of all pads
+    /// are moved outward by `width` (radii of the probe), or further if the set would be too small. `None` if no
+    /// mobility agrees with the rolls.
+    fn set(
+        &self,
+        cell: &PadCell,
+        data: &[RollData],
+        fit: Option<&SeriesFit<3>>,
+        mut width: f64,
+    ) -> Option<PadEdgeSet> {
+        let mut set = self.set_within(cell, data, fit, width)?;
+        let Some(fit) = fit.filter(|_| data.iter().all(|roll| !roll.is_start_known)) else {
+            return Some(set);
+        };
+        let least = MIN_SPREAD.powi(6) * fit.covariance.determinant();
+        for _ in 0..MAX_MOVES {
+            if set.covariance.determinant() >= least {
+                break;
+            }
+            let widths = Self::widths(data, &fit.shape);
+            width = (2.0 * width).max(0.25 * widths.clone().sum::<f64>() / widths.count() as f64);
+            set = self.set_within(cell, data, Some(fit), width)?;
+        }
+        Some(set)
     }
 
     /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`, if the edges of all pads
     /// are moved outward by `width` (radii of the probe). `None` if no mobility agrees with them.
-    fn set(
+    fn set_within(
         &self,
         cell: &PadCell,
         data: &[RollData],
