@@ -64,6 +64,8 @@ pub(crate) struct RollRows {
     /// The bounds, in the order of the pads' edges to which they belong.
     pub(crate) rows: Vec<EdgeRow>,
     pub(crate) is_start_known: bool,
+    /// Exponent of the roll's probability in the distribution of the mobility.
+    pub(crate) share: f64,
 }
 
 /// The corner that is furthest in a direction, among the corners of the polyhedron that all bounds enclose.
@@ -340,7 +342,7 @@ pub(crate) fn distribution(
             let parts = [0, 1, 2].map(|part| points.map(|point| point[part]));
             let mut areas = [1.0; BLOCK];
             for (rows, roll) in near.iter().zip(rolls).filter(|(rows, _)| !rows.is_empty()) {
-                multiply_areas(rows, roll.is_start_known, cell, &parts, &mut areas);
+                multiply_areas(rows, roll, cell, &parts, &mut areas);
             }
             for ((point, area), node) in points.iter().zip(areas).zip(block) {
                 if area > 0.0 && is_possible(point) {
@@ -376,7 +378,7 @@ pub(crate) fn distribution(
 /// with all bounds, otherwise 0.
 fn multiply_areas(
     rows: &[MobilityRow],
-    is_start_known: bool,
+    roll: &RollRows,
     cell: &PadCell,
     [uu, uv, vv]: &[[f64; BLOCK]; 3],
     areas: &mut [f64; BLOCK],
@@ -392,13 +394,18 @@ fn multiply_areas(
     }
     for (node, area) in areas.iter_mut().enumerate() {
         let mut slack: [f64; 6] = std::array::from_fn(|edge| slacks[edge][node]);
-        *area *= match (is_start_known, 2 * cell.pairs()) {
+        let own = match (roll.is_start_known, 2 * cell.pairs()) {
             (true, _) => f64::from(u8::from(slack.iter().all(|slack| *slack >= 0.0))),
             (false, 4) => {
                 let [u, v] = [slack[0] + slack[2], slack[1] + slack[3]];
                 u.max(0.0) * v.max(0.0) / (UNIT * UNIT)
             }
             _ => hexagon_area(&mut slack) / (UNIT * UNIT),
+        };
+        *area *= if roll.share == 1.0 {
+            own
+        } else {
+            libm::pow(own, roll.share)
         };
     }
 }

@@ -48,6 +48,8 @@ const PATH_ERROR: f64 = 2e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct BoundedRoll {
     pub(crate) is_start_known: bool,
+    /// Weight of the roll in the distribution of the mobility: the exponent of its probability.
+    pub(crate) share: f64,
     /// Contact point at the start of the roll, or a first guess of it, in radii of the probe.
     pub(crate) start: Vector2<f64>,
     /// Derivatives of the start with respect to the entries uu, uv, vv of the mobility (contact travel per radian).
@@ -104,6 +106,7 @@ impl BoundedRoll {
         }
         Some(Self {
             is_start_known: series.start.is_some(),
+            share: 1.0,
             start: series.start.unwrap_or(samples[0].place) / radius,
             response: Matrix2x3::zeros(),
             edges,
@@ -307,6 +310,7 @@ impl PadEdgeSet {
             all.push(RollRows {
                 rows: roll.edges.iter().map(row).collect(),
                 is_start_known: roll.is_start_known,
+                share: roll.share,
             });
         }
         Some(all)

@@ -351,17 +351,14 @@ impl Problem<'_> {
         for (at, roll) in data.iter().enumerate() {
             let series = &self.rolls[roll.roll];
             let runs = &self.runs[roll.roll];
-            // A roll with the same runs as an earlier roll adds no bound to the set of mobilities. But it would make the
-            // distribution of probability over the set too narrow, so it is skipped.
-            let is_same = |one: &RollData| self.runs[one.roll] == *runs;
-            if runs.len() > 1 && data[..at].iter().any(is_same) {
-                continue;
-            }
             let mut bounded = BoundedRoll::new(series, runs, self.radius, cell, &shape, width)?;
             if let Some(fit) = fit {
                 bounded.start = fit.rolls[at].start;
                 bounded.response = fit.rolls[at].response.fixed_view::<2, 3>(0, 0).into();
             }
+            // Rolls that change pads at the same samples share the errors of these changes. Without shares, they would
+            // make the distribution of probability over the set too narrow.
+            bounded.share = 1.0 / Self::equal_rolls(&self.runs, runs);
             rolls.push(bounded);
         }
         PadEdgeSet::new(cell, rolls, shape, fit.map(|fit| fit.covariance))
@@ -442,13 +439,7 @@ impl Problem<'_> {
                     let mut all = groups(samples, scale, false, bend);
                     // Rolls that change pads at the same samples share the errors of these changes. Therefore increase
                     // the errors so that the mean of these rolls has the error of one roll.
-                    let runs = &self.runs[roll];
-                    let is_same = |other: &&Vec<Run>| {
-                        let firsts = other.iter().zip(runs);
-                        other.len() == runs.len()
-                            && firsts.into_iter().all(|(a, b)| a.first == b.first)
-                    };
-                    let growth = (self.runs.iter().filter(is_same).count() as f64).sqrt();
+                    let growth = Self::equal_rolls(&self.runs, &self.runs[roll]).sqrt();
                     all.extend(found.into_iter().map(|mut one| {
                         let at = one.sample as f64 + 0.5;
                         one.change *= growth;
@@ -490,6 +481,15 @@ impl Problem<'_> {
             }
         }
         data
+    }
+
+    /// Number of rolls with the runs `all` that change pads at the same samples as a roll with the runs `runs`.
+    fn equal_rolls(all: &[Vec<Run>], runs: &[Run]) -> f64 {
+        let is_same = |other: &&Vec<Run>| {
+            let mut firsts = other.iter().zip(runs);
+            other.len() == runs.len() && firsts.all(|(a, b)| a.first == b.first)
+        };
+        all.iter().filter(is_same).count() as f64
     }
 
     fn fit_noise(&self) -> FitNoise {
