@@ -24,20 +24,18 @@ mod reading;
 mod roll_fit;
 mod roll_series;
 mod rolled_path;
-mod series_error;
 mod series_estimate;
 mod series_fit;
 mod symmetric;
 
 pub use batch::{BATCH_SIZE, BatchEstimates, BatchMoments, Moments, ProbeRotation};
-pub use error::Ep1Error;
+pub use error::{Ep1Error, SeriesError};
 pub use estimate::{Estimate, Measured};
 pub use least_squares::LeastSquares;
 pub use linear_law::rounding_std;
 pub use palpate_statistics::{GoodnessOfFit, Misfit};
 pub use reading::{PadStart, ProbeReading, ReadingNoise};
 pub use roll_series::{PadCell, Places, RollSample, RollSeries, SeriesMethod, SeriesNoise};
-pub use series_error::SeriesError;
 pub use series_estimate::{Exclusion, Quantity, RollReport, SeriesEstimate};
 pub use series_fit::estimate_series;
 

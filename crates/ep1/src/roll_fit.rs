@@ -14,6 +14,7 @@ use crate::crossings::Crossing;
 use crate::rolled_path::{
     LocalShape, MAX_COEFFICIENTS, PathPoint, RollRotations, StartFrame, by_coefficients, drive_of,
 };
+pub(crate) use crate::symmetric::inverse_of;
 
 use estimated_noise::SharedError;
 pub(crate) use estimated_noise::{EstimatedNoise, MIN_SHARE};
@@ -482,8 +483,8 @@ impl SeriesFit<3> {
         for (roll, fitted) in rolls.iter().zip(&self.rolls) {
             let mut state = RollFit::new(roll);
             (state.start, state.error, state.ratio) = (fitted.start, fitted.error, fitted.ratio);
-            let done = state.linearise(roll, noise, &shape, &SMatrix::zeros(), &mut path);
-            if done.is_some() {
+            let covariance = SMatrix::zeros();
+            if let Some(()) = state.linearise(roll, noise, &shape, &covariance, &mut path) {
                 information += state.information;
                 gradient += state.gradient;
             }
@@ -513,8 +514,7 @@ impl SeriesFit<3> {
             (any, 9),
             (fall(&information, &gradient, &apex), 1),
         ];
-        let falls = falls.into_iter();
-        let falls = falls.filter_map(|(fall, more)| Some((fall? - constant?, more)));
+        let fell = |(fall, more): (Option<f64>, usize)| Some((fall? - constant?, more));
         // The information about the coefficient of `bend` that remains if the curvature form is unknown.
         let (own, along) = (apex.tr_mul(&(information * apex)), apex.tr_mul(&gradient));
         let form = own.fixed_view::<3, 3>(0, 0).into_owned();
@@ -524,7 +524,7 @@ impl SeriesFit<3> {
         let is_possible = (slope - APEX * rest).powi(2) <= MAX_DEVIATION * MAX_DEVIATION * rest;
         let error = APEX.abs() * response.dot(&(form * response)).sqrt();
         Changed {
-            falls: falls.collect(),
+            falls: falls.into_iter().filter_map(fell).collect(),
             of_paraboloid: if is_possible { error } else { 0.0 },
         }
     }
@@ -557,25 +557,6 @@ pub(crate) fn slopes_at<const N: usize>(
     let columns = [[drive.x, 0.0], [drive.y, drive.x], [0.0, drive.y]];
     let slopes = by_path * Matrix2x3::from_columns(&columns.map(Vector2::from));
     SMatrix::from_fn(|row, column| slopes[(row, column.min(2))])
-}
-
-/// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if the matrix is singular within rounding
-/// errors.
-pub(crate) fn inverse_of<const N: usize>(
-    information: &SMatrix<f64, N, N>,
-) -> Option<SMatrix<f64, N, N>> {
-    let scale = information.diagonal().map(|entry| 1.0 / entry.sqrt());
-    let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
-        information[(row, column)] * scale[row] * scale[column]
-    });
-    let root = scaled.cholesky()?;
-    if root.l_dirty().diagonal().min() < 1e-6 {
-        return None;
-    }
-    let inverse = root.inverse();
-    Some(SMatrix::from_fn(|row, column| {
-        inverse[(row, column)] * scale[row] * scale[column]
-    }))
 }
 
 /// The shape after a step, and the share of the step that was done. The step is shortened if the contact could not roll

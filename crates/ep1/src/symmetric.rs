@@ -1,6 +1,6 @@
 //! Small symmetric matrices.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, Vector3};
 
 /// The rotation vectors of the probes count as parallel if the ratio of their spread across their main axis to their
 /// spread along this axis is below this value.
@@ -148,4 +148,23 @@ pub(crate) fn largest_spread(mobility: &Matrix2<f64>, covariance: &Matrix3<f64>)
         true => largest / least,
         false => f64::INFINITY,
     }
+}
+
+/// Inverse of a matrix of normal equations, scaled by its diagonal. `None` if the matrix is singular within rounding
+/// errors.
+pub(crate) fn inverse_of<const N: usize>(
+    information: &SMatrix<f64, N, N>,
+) -> Option<SMatrix<f64, N, N>> {
+    let scale = information.diagonal().map(|entry| 1.0 / entry.sqrt());
+    let scaled = SMatrix::<f64, N, N>::from_fn(|row, column| {
+        information[(row, column)] * scale[row] * scale[column]
+    });
+    let root = scaled.cholesky()?;
+    if root.l_dirty().diagonal().min() < 1e-6 {
+        return None;
+    }
+    let inverse = root.inverse();
+    Some(SMatrix::from_fn(|row, column| {
+        inverse[(row, column)] * scale[row] * scale[column]
+    }))
 }
