@@ -66,7 +66,12 @@ impl Problem<'_> {
             // empty. A p-value of at most `EXACT_LEVEL` shows this: the readings are then not exact.
             let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
             let is_sound = width > 0.0 || goodness.p_value > EXACT_LEVEL;
-            is_sound.then(|| self.set(cell, &data, Some(&fit), width))?
+            let change = self.change(&data, noise, &fit, None);
+            let is_sound = is_sound && change.0.is_none();
+            Some((
+                is_sound.then(|| self.set(cell, &data, Some(&fit), width))??,
+                change,
+            ))
         };
         let mut tried = order.iter().take(MAX_TRIES);
         let without = tried.find_map(|&at| Some((at, set_without(&[at])?)));
@@ -75,13 +80,18 @@ impl Problem<'_> {
         let can_help = without.is_some() || set_without(&order[..most]).is_some();
         let roll = data[without.as_ref().map_or(order[0], |found| found.0)].roll;
         if !can_help || !self.leaves_out(Some(roll)) {
-            return Err(SeriesError::Contradiction { roll });
+            let change = self.change(data, noise, &fit, None).0;
+            return Err(
+                change.map_or(SeriesError::Contradiction { roll }, |p_value| {
+                    SeriesError::ChangingCurvature { p_value }
+                }),
+            );
         }
         let kept = self.reports.iter_mut();
         let kept = kept.filter(|report| report.left_out.is_none());
         kept.for_each(|report| report.p_value = None);
         match without {
-            Some((_, set)) => self.of_set(set, Default::default()),
+            Some((_, (set, change))) => self.of_set(set, change),
             None => self.estimate(),
         }
     }
