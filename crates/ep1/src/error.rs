@@ -143,8 +143,8 @@ pub enum SeriesError {
     },
     /// No constant curvature agrees with the rotations and pads of all rolls.
     #[error(
-        "no constant curvature agrees with the rotations and pads of the rolls; roll {roll} (counting from 0) contradicts \
-         the others most: state the noise of the rotations, or let the curvature change along the rolls (trajectory)"
+        "no constant curvature agrees with the rotations and pads of all rolls: the curvature changes along the rolls (use \
+         trajectory), the rotations have noise (state it), or a roll is wrong, most likely roll {roll} (counting from 0)"
     )]
     Contradiction {
         /// Index (from 0) of the roll that contradicts the other rolls most.

@@ -24,6 +24,9 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 const EXACT_LEVEL: f64 = 0.05;
 /// The curvature changes along the rolls if the p-value of its change is below this value.
 const CHANGE_LEVEL: f64 = 3e-3;
+/// If chi-squared is too large even with a change of the curvature, the change is significant only if it reduces
+/// chi-squared at least to this share. Otherwise, the noise may be larger than stated.
+const MAX_REST: f64 = 0.1;
 /// If the object may be a paraboloid, and the estimate would then be wrong by more standard errors than this value, the
 /// readings do not show whether the curvature changes.
 const MAX_CHANGE: f64 = 8.0;
@@ -207,8 +210,9 @@ impl Problem<'_> {
         let p_value = |(fall, more): (f64, usize)| {
             let rest = (fit.chi_squared - fall).max(0.0);
             let freedom = fit.freedom.saturating_sub(more);
-            // If the residuals are too large for the noise even with the change, compare the change with them.
+            // If the residuals are too large for the noise even with the change, the change must explain most of them.
             match rest > freedom.max(1) as f64 {
+                true if rest > MAX_REST * fit.chi_squared => 1.0,
                 true => ratio_tail(fall, more, rest, freedom),
                 false => chi_squared_tail(fall, more),
             }

@@ -262,7 +262,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
             at(roll, sample)
         ),
         SeriesError::Contradiction { roll } => format!(
-            "no constant curvature agrees with the rotations and pads of all probes; probe {} contradicts the other probes most: state the noise of the rotations, or use method trajectory",
+            "no constant curvature agrees with the rotations and pads of all probes: the curvature changes along the rolls (use method trajectory), the rotations have noise (state it), or a probe is wrong, most likely probe {}",
             recorded.probe(roll)
         ),
         SeriesError::TooFewRolls { .. } => recorded.with_note(&error),

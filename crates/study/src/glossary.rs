@@ -249,7 +249,7 @@ subjects! {
         "time-order": "The times in the time series of a roll do not increase.";
         "off-probe": "A contact position in a time series is more than half the circumference of the probe away. The lengths may be in another unit.";
         "contradiction": "The rotations in the time series of a roll contradict the pads of this roll, or the other rolls, by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
-        "changing-curvature": "The curvature of the object changes along the rolls, but the method `pad-edge` assumes that it is constant. Use the method `trajectory`, or roll less far.";
+        "changing-curvature": "The method `pad-edge` assumes a constant curvature, but the curvature changes along the rolls. As a warning: the readings do not show whether it changes. Use the method `trajectory`, or roll less far.";
         "overlapping": "The object would penetrate the probe beside the contact, so a real probe cannot roll there.";
         "conforming": "The object is hollow and has almost the same radius as the probe or sensor. They would touch over a whole area, so there is no contact point and no finite effective radius. In `press`, this is also the name of a kind of contact.";
         "too-many-steps": "The integrator of the roll reached its largest number of steps before the end of the roll.";
