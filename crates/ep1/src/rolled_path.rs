@@ -17,7 +17,7 @@ use nalgebra::{Matrix2, Matrix3, Rotation3, SMatrix, UnitQuaternion, Vector2, Ve
 use crate::symmetric::is_rolling;
 
 /// Largest number of terms of the polynomial that describes the curvature along a path.
-pub(crate) const MAX_TERMS: usize = 4;
+pub(crate) const MAX_TERMS: usize = 6;
 /// Number of coefficients of a polynomial with [`MAX_TERMS`] terms.
 pub(crate) const MAX_COEFFICIENTS: usize = coefficients(MAX_TERMS);
 /// Largest number of Newton steps that solve for the position of the contact.
@@ -35,7 +35,7 @@ pub(crate) const fn coefficients(terms: usize) -> usize {
 }
 
 /// A polynomial model of the object near the common start of the rolls.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalShape {
     pub(crate) terms: usize,
     /// Entries of the symmetric tensors T₂, T₃, … one tensor after the other. The entry j (from 0) of a tensor has j

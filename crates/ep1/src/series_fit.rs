@@ -136,10 +136,11 @@ impl Problem<'_> {
             let is_used = |roll: &&RollData| !roll.observations.is_empty();
             let usable = data.iter().filter(is_used).count();
             let mut first = SeriesFit::<3>::weighted(&data, &noise, LocalShape::FLAT, tolerance);
-            // If the curvature changes, a fit of constant curvature to pads may not converge. Its result is then still
-            // good enough as the start of fits with more terms.
+            // If the curvature changes, a fit of constant curvature may not converge. Its result is then still good enough
+            // as the start of fits with more terms.
             let is_converged = first.is_some();
-            if !is_converged && matches!(self.places, Places::Pads(_)) {
+            let has_pads = matches!(self.places, Places::Pads(_));
+            if !is_converged && (has_pads || self.method == SeriesMethod::Trajectory) {
                 first = SeriesFit::new(&data, &noise, LocalShape::FLAT, ROUGH_TOLERANCE);
             }
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
@@ -182,11 +183,11 @@ impl Problem<'_> {
                     let found = unbiased(data, &noise, first).ok_or(SeriesError::NotRolling)?;
                     let mut found = self.of_fit(&found, 1);
                     (found.change, found.may_change) = change;
-                    (found, worst)
+                    (Some(found), worst)
                 }
             };
             if !self.leaves_out(worst) {
-                return Ok(found);
+                return found.ok_or_else(|| undetermined(rolls));
             }
         }
     }

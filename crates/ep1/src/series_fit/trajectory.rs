@@ -5,7 +5,9 @@
 //! which the curvature changes along the rolls. The rate is unknown, so the estimate is a weighted mean over a range of
 //! rates.
 
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
+
+use palpate_statistics::GoodnessOfFit;
 
 use super::{Problem, TOLERANCE};
 use crate::SeriesEstimate;
@@ -13,18 +15,17 @@ use crate::roll_fit::{EstimatedNoise, FitNoise, RollData, SeriesFit, inverse_of}
 use crate::rolled_path::{LocalShape, MAX_COEFFICIENTS, MAX_TERMS, coefficients};
 
 /// Ratio of each rate to the rate before it.
-const RATIO: f64 = 1.5;
+const RATIO: f64 = 2.0;
 /// Number of rates that are smaller than the curvature. With the smallest of them, the curvature is nearly constant.
-const SMALLER_RATES: i32 = 4;
+const SMALLER_RATES: i32 = 2;
 /// Largest rate, divided by the curvature of the object or of the probe, whichever is larger.
-const MAX_RATE: f64 = 3.5;
+const MAX_RATE: f64 = 2.5;
 /// Penalty for each parameter that the readings determine, in the criterion that weights the rates. With Akaike's
 /// penalty of 2, the intervals would be too narrow if noise hides the change of the curvature.
-const PENALTY: f64 = 1.0;
-/// The polynomial lacks terms of even higher order. Their estimated effect on the curvature is the effect of the fitted
-/// terms, multiplied by this factor and by the larger of two ratios: the relative change of the curvature along the
-/// rolls, and the square of the likeliest rate times the length of the longest roll.
-const NEXT_TERM: f64 = 0.6;
+const PENALTY: f64 = 1.25;
+/// The polynomial lacks terms of even higher order. Their estimated effect on the curvature is the effect of the last two
+/// fitted terms, multiplied by this factor.
+const NEXT_TERM: f64 = 0.4;
 /// Largest number of fits, each with the likeliest rate of the fit before.
 const MAX_FITS: usize = 3;
 /// If the curvatures of the fitted and the likeliest rate differ by at most this value (in units of the probe's
@@ -34,6 +35,7 @@ const LINEAR: f64 = 3e-3;
 const MIN_CURVATURE: f64 = 1e-3;
 
 type Coefficients = SVector<f64, MAX_COEFFICIENTS>;
+type Square = SMatrix<f64, MAX_COEFFICIENTS, MAX_COEFFICIENTS>;
 
 /// A fit of a polynomial shape with a given number of terms.
 struct Candidate {
@@ -48,7 +50,7 @@ struct Candidate {
 }
 
 impl Problem<'_> {
-    /// The estimate, and the roll that contradicts the other rolls most. `first` is the fit of a constant curvature.
+    /// The estimate, `None` if its fit does not converge, and the roll that contradicts the other rolls most. `first` is the fit of a constant curvature.
     ///
     /// Polynomials with one to three terms are fitted without priors. Akaike's information criterion selects one of
     /// these fits, which determines the reported number of terms, the noise and the outlier.
@@ -57,19 +59,19 @@ impl Problem<'_> {
         data: &[RollData],
         noise: &FitNoise,
         first: &SeriesFit<3>,
-    ) -> (SeriesEstimate, Option<usize>) {
+    ) -> (Option<SeriesEstimate>, Option<usize>) {
         let mut best = self.candidate(data, first);
         if best.noise.is_some_and(|noise| noise.misfit.is_some()) {
-            return (best.estimate, best.worst);
+            return (Some(best.estimate), best.worst);
         }
         let mut shape = first.shape;
         // If the object is symmetric about the start of the rolls, odd derivatives of the curvature are zero there. A
         // second term of the polynomial then does not improve the fit, but a third term may.
         self.more_terms::<7>(data, noise, &mut shape, &mut best);
         self.more_terms::<12>(data, noise, &mut shape, &mut best);
-        let mean = self.mean_of_rates(data, noise, &best, first);
         self.reports.clone_from(&best.estimate.rolls);
-        (mean.unwrap_or(best.estimate), best.worst)
+        let mean = self.mean_of_rates(data, noise, &best, first);
+        mean.map_or((None, best.worst), |(mean, worst)| (Some(mean), worst))
     }
 
     fn candidate<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Candidate {
@@ -105,18 +107,18 @@ impl Problem<'_> {
         }
     }
 
-    /// The weighted mean of the estimates with different rates. `None` if a fit does not converge.
+    /// The weighted mean of the estimates with different rates, and the roll that contradicts the other rolls most.
+    /// `None` if the fit does not converge.
     fn mean_of_rates(
-        &self,
+        &mut self,
         data: &[RollData],
         noise: &FitNoise,
         best: &Candidate,
         first: &SeriesFit<3>,
-    ) -> Option<SeriesEstimate> {
+    ) -> Option<(SeriesEstimate, Option<usize>)> {
         let form = first.shape.relative() - Matrix2::identity();
         let curvature = form.symmetric_eigenvalues().amax();
         let curvature = curvature.max(best.change).max(MIN_CURVATURE);
-        let of_rate = |rate: &f64| prior(curvature, *rate);
         let rates = (-SMALLER_RATES..).map(|power| curvature * RATIO.powi(power));
         let rates = rates.take_while(|rate| *rate < MAX_RATE * curvature.max(1.0));
         let rates: Vec<f64> = rates.collect();
@@ -128,56 +130,123 @@ impl Problem<'_> {
         }
         let mut shape = best.shape;
         shape.terms = MAX_TERMS;
-        let mut rate = curvature;
-        for pass in 0..MAX_FITS {
-            let fitted = of_rate(&rate);
-            noise.prior = fitted.into();
-            let mut fit = SeriesFit::new(data, &noise, shape, TOLERANCE)?;
+        let (mut rate, mut mean) = (curvature, None);
+        for _ in 0..MAX_FITS {
+            noise.prior = prior(curvature, rate).into();
+            // With another rate, the fit may fail to converge. The result with the rate before is then good enough.
+            let Some(mut fit) = SeriesFit::new(data, &noise, shape, TOLERANCE) else {
+                break;
+            };
             shape = fit.shape;
-            let (at, variance) = (Coefficients::from(shape.tensors), self.variance(&fit));
             let at_rate = self.of_fit(&fit, MAX_TERMS).entries();
-            let mut all = Vec::with_capacity(rates.len());
-            for weights in rates.iter().map(of_rate) {
-                // The result with another prior follows from the linearised fit.
-                let more = weights - fitted;
-                let pull = -more.component_mul(&at);
-                let information = fit.information + SMatrix::from_diagonal(&more);
-                fit.covariance = inverse_of(&information)?;
-                let change = fit.covariance * pull;
-                let found = at + change;
-                let chi_squared = fit.chi_squared
-                    - at.dot(&pull)
-                    - pull.dot(&change)
-                    - found.dot(&weights.component_mul(&found));
-                let by_prior = fit.covariance.diagonal().dot(&weights);
-                let criterion =
-                    chi_squared / variance + PENALTY * (MAX_COEFFICIENTS as f64 - by_prior);
-                fit.shape.tensors = found.into();
-                let found = self.of_fit(&fit, MAX_TERMS);
-                let mut estimate = best.estimate.clone();
-                (estimate.curvature, estimate.covariance) = (found.curvature, found.covariance);
-                all.push((criterion, estimate));
-            }
+            let rated = Rated::new(&fit, &noise);
+            // The polynomial of a candidate may have too few terms for sound readings, so test its outlier again.
+            let worst = best.worst.and_then(|_| self.p_values(data, &fit));
+            let with_rate = |rate: &f64| rated.with(&prior(curvature, *rate));
+            let Some(all) = rates.iter().map(with_rate).collect::<Option<Vec<_>>>() else {
+                break;
+            };
+            // If a rate is too small for the object, the residuals exceed the noise. So the rate with the smallest
+            // residuals determines the noise.
+            let chi_squared = all.iter().map(|one| one.chi_squared);
+            fit.chi_squared = chi_squared.fold(f64::INFINITY, f64::min);
+            let variance = self.variance(&fit);
+            let weighted = all.into_iter().map(|one| {
+                (fit.shape.tensors, fit.covariance) = (one.tensors.into(), one.covariance);
+                let criterion = one.chi_squared / variance + PENALTY * one.determined;
+                (criterion, one.chi_squared, self.of_fit(&fit, MAX_TERMS))
+            });
+            let all: Vec<_> = weighted.collect();
             let order = |one: &usize, other: &usize| all[*one].0.total_cmp(&all[*other].0);
             let likeliest = (0..all.len()).min_by(order)?;
-            let (least, estimate) = &all[likeliest];
-            let apart = (estimate.entries() - at_rate).amax() * self.radius;
-            if apart > LINEAR && pass + 1 < MAX_FITS {
-                rate = rates[likeliest];
-                continue;
-            }
+            let (least, chi_squared, estimate) = &all[likeliest];
             let weight = |criterion: f64| libm::exp(0.5 * (least - criterion));
-            let mut mean = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.1)))?;
-            fit.shape = shape;
-            let ends = fit.rolls.iter().map(|roll| roll.end.norm());
-            let turned = rates[likeliest] * ends.fold(0.0, f64::max);
-            let share = largest_change(&fit) / shape.relative().norm();
-            let constant = self.of_fit(first, 1).entries();
-            let share = NEXT_TERM * share.max(turned * turned);
-            mean.widen((mean.entries() - constant) * share);
-            return Some(mean);
+            let found = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.2)))?;
+            rate = rates[likeliest];
+            let last_terms = rated.of_last_terms(&prior(curvature, rate))?;
+            let apart = (estimate.entries() - at_rate).amax() * self.radius;
+            let mut result = best.estimate.clone();
+            (result.curvature, result.covariance) = (found.curvature, found.covariance);
+            result.widen(last_terms * (NEXT_TERM / self.radius));
+            let goodness = GoodnessOfFit::new(*chi_squared, fit.freedom);
+            result.goodness = result.goodness.map(|_| goodness);
+            result.rolls.clone_from(&self.reports);
+            mean = Some((result, worst));
+            if apart <= LINEAR {
+                break;
+            }
         }
-        None
+        mean
+    }
+}
+
+/// The result of a fit with the prior of one rate.
+struct WithRate {
+    tensors: Coefficients,
+    covariance: Square,
+    /// Chi-squared, including the prior.
+    chi_squared: f64,
+    /// Number of coefficients that the readings determine.
+    determined: f64,
+}
+
+/// A linearised fit with a prior, from which the results with other priors follow.
+struct Rated {
+    at: Coefficients,
+    /// Information matrix of the readings, without the prior.
+    information: Square,
+    /// Half of the derivative of the readings' chi-squared with respect to the coefficients, with the opposite sign.
+    gradient: Coefficients,
+    /// Chi-squared of the readings, without the prior.
+    chi_squared: f64,
+}
+
+impl Rated {
+    fn new(fit: &SeriesFit<MAX_COEFFICIENTS>, noise: &FitNoise) -> Self {
+        let at = Coefficients::from(fit.shape.tensors);
+        let gradient = Coefficients::from(noise.prior).component_mul(&at);
+        Self {
+            at,
+            information: fit.rolls.iter().map(|roll| roll.information).sum(),
+            gradient,
+            chi_squared: fit.chi_squared - at.dot(&gradient),
+        }
+    }
+
+    /// The result with a prior of the inverse variances `weights`.
+    fn with(&self, weights: &Coefficients) -> Option<WithRate> {
+        let pull = self.gradient - weights.component_mul(&self.at);
+        let covariance = inverse_of(&(self.information + Square::from_diagonal(weights)))?;
+        let change = covariance * pull;
+        let found = self.at + change;
+        let chi_squared = self.chi_squared
+            + change.dot(&(self.information * change - self.gradient * 2.0))
+            + found.dot(&weights.component_mul(&found));
+        Some(WithRate {
+            tensors: found,
+            covariance,
+            chi_squared,
+            determined: MAX_COEFFICIENTS as f64 - covariance.diagonal().dot(weights),
+        })
+    }
+
+    /// Change of the entries uu, vv and uv of the curvature form, in units of the probe's curvature, that is due to the
+    /// last two terms of the polynomial.
+    fn of_last_terms(&self, weights: &Coefficients) -> Option<Vector3<f64>> {
+        const FEWER: usize = coefficients(MAX_TERMS - 2);
+        const LAST: usize = MAX_COEFFICIENTS - FEWER;
+        let pull = self.gradient - weights.component_mul(&self.at);
+        let information = self.information + Square::from_diagonal(weights);
+        let all = inverse_of(&information)? * pull;
+        // Without the last terms, their coefficients are 0.
+        let pull = pull.fixed_rows::<FEWER>(0)
+            + information.fixed_view::<FEWER, LAST>(0, FEWER) * self.at.fixed_rows::<LAST>(FEWER);
+        let fewer = inverse_of(&information.fixed_view::<FEWER, FEWER>(0, 0).into_owned())? * pull;
+        Some(Vector3::new(
+            all[0] - fewer[0],
+            all[2] - fewer[2],
+            all[1] - fewer[1],
+        ))
     }
 }
 
