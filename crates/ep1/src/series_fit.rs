@@ -448,6 +448,8 @@ impl Problem<'_> {
                 p_value,
                 ..goodness
             }),
+            // If pads alternate at edges, the places have noise of unknown size, so the goodness of fit is unknown.
+            None if self.has_exact_pads() && self.alternates() => None,
             None => self.is_noise_stated().then_some(goodness),
         };
         let paths: Vec<f64> = fit.rolls.iter().map(|roll| roll.end.norm()).collect();
