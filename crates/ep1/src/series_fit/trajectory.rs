@@ -7,8 +7,6 @@
 
 use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 
-use palpate_statistics::GoodnessOfFit;
-
 use super::{Problem, TOLERANCE};
 use crate::SeriesEstimate;
 use crate::roll_fit::{EstimatedNoise, FitNoise, RollData, SeriesFit, inverse_of};
@@ -148,28 +146,33 @@ impl Problem<'_> {
             };
             // If a rate is too small for the object, the residuals exceed the noise. So the rate with the smallest
             // residuals determines the noise.
-            let chi_squared = all.iter().map(|one| one.chi_squared);
-            fit.chi_squared = chi_squared.fold(f64::INFINITY, f64::min);
+            let readings = fit.freedom + 3;
+            let order =
+                |one: &&WithRate, other: &&WithRate| one.residuals.total_cmp(&other.residuals);
+            let least = all.iter().min_by(order)?;
+            fit.chi_squared = least.residuals;
+            fit.freedom = readings.saturating_sub(least.determined.round() as usize);
             let variance = self.variance(&fit);
             let weighted = all.into_iter().map(|one| {
                 (fit.shape.tensors, fit.covariance) = (one.tensors.into(), one.covariance);
                 let criterion = one.chi_squared / variance + PENALTY * one.determined;
-                (criterion, one.chi_squared, self.of_fit(&fit, MAX_TERMS))
+                fit.chi_squared = one.residuals;
+                fit.freedom = readings.saturating_sub(one.determined.round() as usize);
+                (criterion, self.of_fit(&fit, MAX_TERMS))
             });
             let all: Vec<_> = weighted.collect();
             let order = |one: &usize, other: &usize| all[*one].0.total_cmp(&all[*other].0);
             let likeliest = (0..all.len()).min_by(order)?;
-            let (least, chi_squared, estimate) = &all[likeliest];
+            let (least, estimate) = &all[likeliest];
             let weight = |criterion: f64| libm::exp(0.5 * (least - criterion));
-            let found = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.2)))?;
+            let found = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.1)))?;
             rate = rates[likeliest];
             let last_terms = rated.of_last_terms(&prior(curvature, rate))?;
             let apart = (estimate.entries() - at_rate).amax() * self.radius;
             let mut result = best.estimate.clone();
             (result.curvature, result.covariance) = (found.curvature, found.covariance);
             result.widen(last_terms * (NEXT_TERM / self.radius));
-            let goodness = GoodnessOfFit::new(*chi_squared, fit.freedom);
-            result.goodness = result.goodness.map(|_| goodness);
+            result.goodness = result.goodness.and(estimate.goodness);
             result.rolls.clone_from(&self.reports);
             mean = Some((result, worst));
             if apart <= LINEAR {
@@ -184,7 +187,9 @@ impl Problem<'_> {
 struct WithRate {
     tensors: Coefficients,
     covariance: Square,
-    /// Chi-squared, including the prior.
+    /// Chi-squared of the readings.
+    residuals: f64,
+    /// Chi-squared of the readings and of the prior.
     chi_squared: f64,
     /// Number of coefficients that the readings determine.
     determined: f64,
@@ -219,13 +224,13 @@ impl Rated {
         let covariance = inverse_of(&(self.information + Square::from_diagonal(weights)))?;
         let change = covariance * pull;
         let found = self.at + change;
-        let chi_squared = self.chi_squared
-            + change.dot(&(self.information * change - self.gradient * 2.0))
-            + found.dot(&weights.component_mul(&found));
+        let residuals =
+            self.chi_squared + change.dot(&(self.information * change - self.gradient * 2.0));
         Some(WithRate {
             tensors: found,
             covariance,
-            chi_squared,
+            residuals,
+            chi_squared: residuals + found.dot(&weights.component_mul(&found)),
             determined: MAX_COEFFICIENTS as f64 - covariance.diagonal().dot(weights),
         })
     }
