@@ -59,6 +59,8 @@ pub(crate) enum Observation {
 pub(crate) struct RollData {
     /// Index of the roll among all rolls.
     pub(crate) roll: usize,
+    /// Number of rolls that change pads at the same samples.
+    pub(crate) repeats: f64,
     pub(crate) is_start_known: bool,
     /// Contact point at the start of the roll, or a first guess of it.
     pub(crate) start: Vector2<f64>,
@@ -75,7 +77,7 @@ pub(crate) struct RollData {
 /// Noise of the readings.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FitNoise {
-    /// Standard deviation of contact points, in radii of the probe.
+    /// Standard deviation of contact points, or of the contact at a crossing of a pad edge, in radii of the probe.
     pub(crate) contact_std: f64,
     /// Standard deviation (rad) of the part of a rotation's error that does not depend on the rotation. This error is
     /// independent in each sample.
@@ -106,6 +108,8 @@ pub(crate) struct RollFit<const N: usize> {
     pub(crate) information: SMatrix<f64, N, N>,
     pub(crate) gradient: SVector<f64, N>,
     pub(crate) chi_squared: f64,
+    /// Logarithm of the roll's part of the evidence, without chi-squared.
+    log_weights: f64,
     /// Number of scalar readings minus the number of unknowns of the roll.
     pub(crate) freedom: usize,
     shared: SharedError<N>,
@@ -154,6 +158,7 @@ impl<const N: usize> RollFit<N> {
             information: SMatrix::zeros(),
             gradient: SVector::zeros(),
             chi_squared: 0.0,
+            log_weights: 0.0,
             freedom: 0,
             shared: SharedError {
                 information: Matrix2::zeros(),
@@ -214,7 +219,7 @@ impl<const N: usize> RollFit<N> {
         let mut own = Matrix4::zeros();
         let mut gradient = SVector::<f64, N>::zeros();
         let mut own_gradient = Vector4::zeros();
-        let (mut chi_squared, mut count) = (0.0, 0);
+        let (mut chi_squared, mut count, mut log_weights) = (0.0, 0, 0.0);
         let knows_error = noise.relative_roll_std == 0.0;
         let measured = roll.rotations.rotations();
         // All or none of the derivatives must include the effect of the spin.
@@ -249,7 +254,9 @@ impl<const N: usize> RollFit<N> {
                     let width = Crossing::width(&across, &change);
                     let variance = (across.norm_squared() + aside * aside) * crossing.variance
                         + (width * width + crossing.gap * crossing.gap) / 12.0
+                        + noise.contact_std * noise.contact_std * roll.repeats
                         + turned;
+                    log_weights -= 0.5 * libm::log(variance);
                     let normal = crossing.normal;
                     let weight = normal * normal.transpose() / variance;
                     // Errors of measured rotations bias the estimate. At a crossing, the rotation error is so small
@@ -347,9 +354,12 @@ impl<const N: usize> RollFit<N> {
             own_gradient[part + 2] -= error_prior * error;
             chi_squared += error_prior * error * error;
         }
+        let determinant = own.determinant();
         let inverse = own.cholesky()?.inverse();
         self.response = -inverse * mixed;
         self.step = inverse * own_gradient;
+        self.log_weights = (log_weights - 0.5 * libm::log(determinant)) / roll.repeats
+            + 0.5 * own_gradient.dot(&self.step);
         self.information = of_shape + mixed.tr_mul(&self.response);
         self.gradient = gradient - mixed.tr_mul(&self.step);
         self.chi_squared = chi_squared;
@@ -364,6 +374,20 @@ impl<const N: usize> RollFit<N> {
             self.ratio = (measured - self.error * (self.ratio * size)).norm() / size;
         }
         Some(())
+    }
+}
+
+impl SeriesFit<3> {
+    /// Logarithm of the evidence, the probability density of the crossings for the noise of this fit, up to a constant.
+    pub(crate) fn log_evidence(&self) -> f64 {
+        let (mut evidence, mut gradient) = (-0.5 * self.chi_squared, SVector::zeros());
+        for roll in &self.rolls {
+            evidence += roll.log_weights;
+            gradient += roll.gradient;
+        }
+        // The chi-squared is that before the last step.
+        evidence += 0.5 * gradient.dot(&(self.covariance * gradient));
+        evidence - 0.5 * libm::log(self.information.determinant())
     }
 }
 

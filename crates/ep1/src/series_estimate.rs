@@ -60,8 +60,9 @@ pub(crate) enum Uncertainty {
     /// The noise was estimated from residuals with this number of degrees of freedom. The errors have Student's t
     /// distribution.
     Student(usize),
-    /// The readings are exact, so the true mobility (contact travel per radian) lies in this set.
-    Set(Box<PadEdgeSet>),
+    /// If the readings are exact, the true mobility (contact travel per radian) lies in this set. The flag states whether
+    /// the crossings of pad edges may have noise. Then the errors of the mobility are normally distributed.
+    Set(Box<PadEdgeSet>, bool),
 }
 
 /// An estimate of the object's curvature from time series of rolls.
@@ -171,6 +172,13 @@ impl SeriesEstimate {
         self.covariance = (Matrix3::from(self.covariance) + apart * apart.transpose()).into();
     }
 
+    /// States that the crossings of pad edges may have noise.
+    pub(crate) fn ignore_bounds(&mut self) {
+        if let Uncertainty::Set(_, is_noisy) = &mut self.uncertainty {
+            *is_noisy = true;
+        }
+    }
+
     /// The estimate without intervals, as [`LeastSquares`](crate::LeastSquares) returns it.
     pub fn estimate(&self) -> Estimate {
         let form = self.curvature;
@@ -214,7 +222,8 @@ impl SeriesEstimate {
             }
             Quantity::Gaussian => self.gaussian_interval(),
         };
-        let Some(bounds) = self.range(quantity) else {
+        let is_noisy = matches!(&self.uncertainty, Uncertainty::Set(_, true));
+        let Some(bounds) = self.range(quantity).filter(|_| !is_noisy) else {
             return interval;
         };
         if self.has_few_crossings() {
@@ -230,7 +239,7 @@ impl SeriesEstimate {
     /// Whether the rolls cross very few edges of pads. Then only the intervals of [`bounds`](Self::bounds) are
     /// meaningful, and the estimate is the middle of a wide range.
     pub fn has_few_crossings(&self) -> bool {
-        matches!(&self.uncertainty, Uncertainty::Set(set) if set.has_few_crossings())
+        matches!(&self.uncertainty, Uncertainty::Set(set, false) if set.has_few_crossings())
     }
 
     /// The range of a quantity over all curvatures that agree with the readings, if the rotations and the pads are
@@ -244,7 +253,7 @@ impl SeriesEstimate {
     }
 
     fn range(&self, quantity: Quantity) -> Option<[Option<f64>; 2]> {
-        let Uncertainty::Set(set) = &self.uncertainty else {
+        let Uncertainty::Set(set, _) = &self.uncertainty else {
             return None;
         };
         let flat = 1.0 / self.radius;

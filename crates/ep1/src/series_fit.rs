@@ -267,6 +267,7 @@ impl Problem<'_> {
             // the first sample. All rotations then share the error of this orientation. This error has the same effect
             // as an error of the stated start, so the start is not exact.
             let is_start_exact = samples[0].rotation != Vector3::zeros() || std == 0.0;
+            let mut repeats = 1.0;
             let (mut all, start_std) = match self.places {
                 Places::Pads(cell) => {
                     let pitch = cell.pitch * scale;
@@ -277,7 +278,8 @@ impl Problem<'_> {
                     let mut all = groups(samples, scale, false, bend);
                     // Rolls that change pads at the same samples share the errors of these changes. Therefore increase
                     // the errors so that the mean of these rolls has the error of one roll.
-                    let growth = Self::equal_rolls(&self.runs, &self.runs[roll]).sqrt();
+                    repeats = Self::equal_rolls(&self.runs, &self.runs[roll]);
+                    let growth = repeats.sqrt();
                     all.extend(found.into_iter().map(|mut one| {
                         let at = one.sample as f64 + 0.5;
                         one.change *= growth;
@@ -292,6 +294,7 @@ impl Problem<'_> {
             let observations = observations.filter_map(|(index, one)| Some((index, one.2?)));
             data.push(RollData {
                 roll,
+                repeats,
                 is_start_known: series.start.is_some() && is_start_exact,
                 start: guess,
                 start_std: series.start.map_or(start_std, |_| std),
@@ -391,13 +394,12 @@ impl Problem<'_> {
             if freedom == 0 || roll.observations.is_empty() {
                 continue;
             }
-            let is_scatter = self.has_exact_pads() && self.method == SeriesMethod::Trajectory;
             let others = (fit.chi_squared - fall).max(0.0);
             let of_others = fit.freedom.saturating_sub(freedom);
             let p_value = match fit.estimated {
-                // If the polynomial has too few terms for the curvature along the rolls, exact readings contradict every
-                // fit, in all rolls. So compare this roll with the scatter of the other rolls (F test).
-                None if is_scatter && others > of_others as f64 => {
+                // If the model has too few terms for the curvature along the rolls, exact readings contradict every fit, in
+                // all rolls. So compare this roll with the scatter of the other rolls (F test).
+                None if self.has_exact_pads() && others > of_others as f64 => {
                     ratio_tail(fall, freedom, others, of_others)
                 }
                 None => chi_squared_tail(fall, freedom),
@@ -428,6 +430,7 @@ impl Problem<'_> {
         let goodness = || GoodnessOfFit::new(fit.chi_squared, fit.freedom);
         match fit.estimated {
             Some(noise) => noise.variance,
+            None if self.method == SeriesMethod::PadEdge => 1.0,
             None if self.has_exact_pads() && goodness().p_value < EXACT_LEVEL => {
                 fit.chi_squared / fit.freedom.max(1) as f64
             }

@@ -1,8 +1,6 @@
 //! Estimates from exact rotations and active pads: the set of curvatures that agree with all rolls.
 
-use palpate_statistics::GoodnessOfFit;
-
-use super::{EXACT_LEVEL, Problem, ROLLS_PER_OUTLIER, TOLERANCE};
+use super::Problem;
 use crate::crossings::Crossing;
 use crate::pad_edge::{BoundedRoll, PadEdgeSet};
 use crate::roll_fit::{FitNoise, Observation, RollData, SeriesFit};
@@ -11,14 +9,26 @@ use crate::rolled_path::{LocalShape, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::{PadCell, RollSeries, SeriesError, SeriesEstimate};
 
-/// If exact readings contradict each other, at most this number of rolls is left out in turn.
-const MAX_TRIES: usize = 16;
-/// A set of possible mobilities (contact travels per radian) is too small if the standard deviation of the mobility in
-/// the set is below this share of that of the fit. Exact rolls from unknown starts hardly ever have such a small set.
-/// A set may be nearly empty because the curvature is not quite constant.
-const MIN_SPREAD: f64 = 0.4;
-/// If a set is too small, the edges of pads are moved outward at most this number of times.
-const MAX_MOVES: usize = 6;
+/// Exact crossings of pad edges may still have noise, because the contact between pads is uncertain. Fits with several
+/// standard deviations of this noise are compared. This constant is the smallest of them, divided by the root mean
+/// square of the distances in which the active pad changes. Each further standard deviation is twice as large.
+const MIN_NOISE: f64 = 0.15;
+/// Noise of crossings above this value, in the same unit, makes pads alternate.
+const MAX_NOISE: f64 = 1.0;
+/// Prior weight of each standard deviation of the noise of crossings, relative to the weight of exact crossings.
+const NOISE_WEIGHT: f64 = 0.25;
+/// Crossings are not exact if the probability of exact crossings is below this value.
+const MIN_EXACT: f64 = 0.01;
+/// A fit with noise of crossings ends if the coefficients of the shape change by less than this value.
+const NOISE_TOLERANCE: f64 = 1e-6;
+
+/// A fit that assumes a noise of the contact at crossings of pad edges.
+struct NoisyFit {
+    noise: FitNoise,
+    /// Logarithm of the evidence for this noise.
+    evidence: f64,
+    fit: SeriesFit<3>,
+}
 
 impl Problem<'_> {
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
@@ -32,68 +42,109 @@ impl Problem<'_> {
         if data.len() < 2 {
             return Err(SeriesError::TooFewRolls { rolls: data.len() });
         }
-        if !self.alternates()
-            && let Some(set) = self.set(cell, data, fit, 0.0)
-        {
-            let change = fit.map(|fit| self.change(data, noise, fit, None));
-            return self.of_set(set, change.unwrap_or_default());
+        let alternates = self.alternates();
+        let exact = match alternates {
+            false => self.set(cell, data, fit, 0.0),
+            true => None,
+        };
+        let (exact, fit) = match (exact, fit) {
+            // If the set is wide, small noise of the crossings does not matter.
+            (Some(set), fit) if fit.is_none() || set.is_wide() => {
+                let change = fit.map(|fit| self.change(data, noise, fit, None));
+                return self.of_set(set, change.unwrap_or_default());
+            }
+            (_, None) => return Err(undetermined(self.rolls)),
+            (set, Some(fit)) => (set, fit),
+        };
+        let fits = self.noisy_fits(data, noise, &fit.shape);
+        let order =
+            |one: &usize, other: &usize| fits[*one].evidence.total_cmp(&fits[*other].evidence);
+        let best = (0..fits.len()).max_by(order);
+        let best = best.ok_or_else(|| undetermined(self.rolls))?;
+        let NoisyFit {
+            noise,
+            fit: best_fit,
+            ..
+        } = &fits[best];
+        let likelihood = |at: usize| libm::exp(fits[at].evidence - fits[best].evidence);
+        let noisy: f64 = (1..fits.len()).map(likelihood).sum::<f64>() * NOISE_WEIGHT;
+        let share = exact
+            .as_ref()
+            .map_or(0.0, |_| likelihood(0) / (likelihood(0) + noisy));
+        if share < MIN_EXACT {
+            let worst = self.p_values(data, best_fit);
+            if let Some(p_value) = self.change(data, noise, best_fit, worst).0 {
+                return Err(SeriesError::ChangingCurvature { p_value });
+            }
+            if self.leaves_out(worst) {
+                return self.estimate();
+            }
+            // Large noise of the contact would make pads alternate.
+            if worst.is_some() || (best + 1 == fits.len() && !alternates) {
+                let p_value = |roll: &usize| self.reports[*roll].p_value.unwrap_or(1.0);
+                let order = |one: &usize, other: &usize| p_value(one).total_cmp(&p_value(other));
+                let roll = data.iter().map(|roll| roll.roll).min_by(order);
+                return Err(SeriesError::Contradiction {
+                    roll: roll.unwrap_or_default(),
+                });
+            }
         }
-        let fit = fit.ok_or_else(|| undetermined(self.rolls))?;
-        // The first fit has a coarse tolerance. A very small set and the comparison of the rolls need a more accurate
-        // fit.
-        let fit = SeriesFit::new(data, noise, fit.shape, TOLERANCE).unwrap_or_else(|| fit.clone());
         // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over
         // which pads alternate.
-        let widths = Self::widths(data, &fit.shape).filter(|_| self.alternates());
-        let width = widths.fold(0.0, f64::max);
-        if let Some(set) = self.set(cell, data, Some(&fit), width) {
-            return self.of_set(set, self.change(data, noise, &fit, None));
-        }
-        // Try to leave out each roll in turn, first the roll whose crossings of pad edges contradict the other rolls
-        // most.
-        let worst = self.p_values(data, &fit);
-        if let Some(p_value) = self.change(data, noise, &fit, worst).0 {
-            return Err(SeriesError::ChangingCurvature { p_value });
-        }
-        let mut order: Vec<usize> = (0..data.len()).collect();
-        let p_value = |at: &usize| self.reports[data[*at].roll].p_value.unwrap_or(1.0);
-        order.sort_by(|one, other| p_value(one).total_cmp(&p_value(other)));
-        let set_without = |left_out: &[usize]| {
-            let kept = (0..data.len()).filter(|at| !left_out.contains(at));
-            let data: Vec<_> = kept.map(|at| data[at].clone()).collect();
-            let fit = SeriesFit::new(&data, noise, fit.shape, TOLERANCE)?;
-            // The other rolls may also contradict each other, but too little to make the set of possible mobilities
-            // empty. A p-value of at most `EXACT_LEVEL` shows this: the readings are then not exact.
-            let goodness = GoodnessOfFit::new(fit.chi_squared, fit.freedom);
-            let is_sound = width > 0.0 || goodness.p_value > EXACT_LEVEL;
-            let change = self.change(&data, noise, &fit, None);
-            let is_sound = is_sound && change.0.is_none();
-            Some((
-                is_sound.then(|| self.set(cell, &data, Some(&fit), width))??,
-                change,
-            ))
+        let set = match alternates {
+            true => self.set(cell, data, Some(fit), self.widths(data, &fit.shape).0),
+            false => exact.filter(|_| share > MIN_EXACT),
         };
-        let mut tried = order.iter().take(MAX_TRIES);
-        let without = tried.find_map(|&at| Some((at, set_without(&[at])?)));
-        // If the rolls contradict each other even without as many of them as a fit may leave out, end the search.
-        let most = (self.rolls.len() / ROLLS_PER_OUTLIER).min(order.len() - 1);
-        let can_help = without.is_some() || set_without(&order[..most]).is_some();
-        let roll = data[without.as_ref().map_or(order[0], |found| found.0)].roll;
-        if !can_help || !self.leaves_out(Some(roll)) {
-            let change = self.change(data, noise, &fit, None).0;
-            return Err(
-                change.map_or(SeriesError::Contradiction { roll }, |p_value| {
-                    SeriesError::ChangingCurvature { p_value }
-                }),
-            );
+        let change = self.change(data, noise, best_fit, None);
+        let mut all = Vec::with_capacity(fits.len() + 1);
+        if let Some(set) = set {
+            let mut estimate = self.of_set(set, change)?;
+            if share > 1.0 - MIN_EXACT {
+                return Ok(estimate);
+            }
+            estimate.ignore_bounds();
+            all.push((likelihood(0) * f64::from(u8::from(!alternates)), estimate));
         }
-        let kept = self.reports.iter_mut();
-        let kept = kept.filter(|report| report.left_out.is_none());
-        kept.for_each(|report| report.p_value = None);
-        match without {
-            Some((_, (set, change))) => self.of_set(set, change),
-            None => self.estimate(),
+        all.push((0.0, self.of_fit(best_fit, 1)));
+        for (at, NoisyFit { fit, .. }) in fits.iter().enumerate() {
+            let weight = match at {
+                0 => f64::from(u8::from(alternates)),
+                _ => NOISE_WEIGHT,
+            };
+            all.push((likelihood(at) * weight, self.of_fit(fit, 1)));
         }
+        let mean = SeriesEstimate::mean(all.iter().map(|one| (one.0, &one.1)));
+        let mut found = mean.ok_or_else(|| undetermined(self.rolls))?;
+        (found.change, found.may_change) = change;
+        Ok(found)
+    }
+
+    /// Fits with increasing noise of the contact at the crossings. The first fit has no such noise.
+    fn noisy_fits(&self, data: &[RollData], noise: &FitNoise, shape: &LocalShape) -> Vec<NoisyFit> {
+        let (unit, alternates) = (self.widths(data, shape).1, self.alternates());
+        let mut all: Vec<NoisyFit> = Vec::new();
+        let mut contact_std = 0.0;
+        while contact_std < 1.0 {
+            let noise = FitNoise {
+                contact_std,
+                ..*noise
+            };
+            let Some(fit) = SeriesFit::new(data, &noise, *shape, NOISE_TOLERANCE) else {
+                break;
+            };
+            let evidence = fit.log_evidence();
+            let is_less = all.last().is_some_and(|last| evidence < last.evidence);
+            all.push(NoisyFit {
+                noise,
+                evidence,
+                fit,
+            });
+            if contact_std > MAX_NOISE * unit && (is_less || !alternates) {
+                break;
+            }
+            contact_std = (2.0 * contact_std).max(MIN_NOISE * unit);
+        }
+        all
     }
 
     /// Whether several pads are active alternately while the contact moves over an edge.
@@ -102,46 +153,27 @@ impl Problem<'_> {
         pairs.any(|pair| pair[0].last + 1 < pair[1].first && pair[0].centre != pair[1].centre)
     }
 
-    /// The distances across the crossed edges, in radii of the probe, over which the active pad changed. `shape` is the
-    /// shape of the object.
-    fn widths(data: &[RollData], shape: &LocalShape) -> impl Iterator<Item = f64> + Clone {
+    /// The largest distance across an edge, in radii of the probe, in which the active pad changed, and the root mean
+    /// square of these distances. `shape` is the shape of the object.
+    fn widths(&self, data: &[RollData], shape: &LocalShape) -> (f64, f64) {
         let mobility = shape.relative().try_inverse().unwrap_or_default();
-        let observations = data.iter().flat_map(|roll| &roll.observations);
-        observations.map(move |(_, one)| match one {
-            Observation::Crossing(one) => Crossing::width(&(mobility * one.normal), &one.change),
-            Observation::Contact(..) => 0.0,
-        })
-    }
-
-    /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`. The edges of all pads
-    /// are moved outward by `width` (radii of the probe), or further if the set would be too small. `None` if no
-    /// mobility agrees with the rolls.
-    fn set(
-        &self,
-        cell: &PadCell,
-        data: &[RollData],
-        fit: Option<&SeriesFit<3>>,
-        mut width: f64,
-    ) -> Option<PadEdgeSet> {
-        let mut set = self.set_within(cell, data, fit, width)?;
-        let Some(fit) = fit.filter(|_| data.iter().all(|roll| !roll.is_start_known)) else {
-            return Some(set);
-        };
-        let least = MIN_SPREAD.powi(6) * fit.covariance.determinant();
-        for _ in 0..MAX_MOVES {
-            if set.covariance.determinant() >= least {
-                break;
+        let (mut largest, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+        for roll in data {
+            for (_, one) in &roll.observations {
+                if let Observation::Crossing(one) = one {
+                    let across = mobility * one.normal / roll.repeats.sqrt();
+                    let width = Crossing::width(&across, &one.change);
+                    largest = largest.max(width);
+                    (squares, count) = (squares + width * width, count + 1.0);
+                }
             }
-            let widths = Self::widths(data, &fit.shape);
-            width = (2.0 * width).max(0.25 * widths.clone().sum::<f64>() / widths.count() as f64);
-            set = self.set_within(cell, data, Some(fit), width)?;
         }
-        Some(set)
+        (largest, (squares / f64::max(count, 1.0)).sqrt())
     }
 
     /// The set of mobilities (contact travels per radian) that agree with the rolls of `data`, if the edges of all pads
     /// are moved outward by `width` (radii of the probe). `None` if no mobility agrees with them.
-    fn set_within(
+    fn set(
         &self,
         cell: &PadCell,
         data: &[RollData],
@@ -160,7 +192,7 @@ impl Problem<'_> {
             }
             // Rolls that change pads at the same samples share the errors of these changes. Without shares, they would
             // make the distribution of probability over the set too narrow.
-            bounded.share = 1.0 / Self::equal_rolls(&self.runs, runs);
+            bounded.share = 1.0 / roll.repeats;
             rolls.push(bounded);
         }
         PadEdgeSet::new(cell, rolls, shape, fit.map(|fit| fit.covariance))
@@ -184,7 +216,7 @@ impl Problem<'_> {
         let paths = ends.map(|last| (mobility * drive_of(&last.rotation)).norm());
         let paths: Vec<f64> = paths.collect();
         let covariance = set.covariance;
-        let set = Uncertainty::Set(Box::new(set));
+        let set = Uncertainty::Set(Box::new(set), false);
         let mut found = self.result(&shape, covariance, (true, 1), &paths, None, set);
         (found.change, found.may_change) = change;
         Ok(found)

@@ -52,7 +52,12 @@ fn the_set_of_exact_rolls_contains_the_truth_and_is_narrow() {
                         };
                         assert!(high - low < powers * share * width * truth, "{quantity:?}");
                         let [from, to] = found.interval95(quantity);
-                        assert!(from >= Some(low) && to <= Some(high) && from < to);
+                        assert!(from < Some(high) && to > Some(low));
+                        let width = (to.unwrap() - from.unwrap()) / (high - low);
+                        assert!(
+                            (0.1..4.0 * powers).contains(&width),
+                            "{quantity:?}: {width}"
+                        );
                     }
                     let value = found.curvature.normal_curvature(0.3);
                     assert_relative_eq!(value, 1.0 / object, max_relative = 0.3 * width);
