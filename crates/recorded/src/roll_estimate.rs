@@ -389,11 +389,17 @@ pub fn estimate_roll(
         _ => None,
     };
     let unit = recorded.source.unit(recorded.unit, options.length_unit)?;
+    recorded.leave_out_repeated_samples();
     let lost_samples = recorded.leave_out_lost_samples(options, unit)?;
     let lost = match is_of_ends {
         true => recorded.leave_out_lost(options, unit)?,
         false => Vec::new(),
     };
+    if let (Some(series), Some(cell), false) =
+        (&mut recorded.series, options.series.pads, is_of_ends)
+    {
+        series.snap_to_lattice(&cell);
+    }
     let source = &recorded.source;
     let readings = &recorded.readings;
     let units = || recorded.units(is_of_ends, options.probe_radius, unit);

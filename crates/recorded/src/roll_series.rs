@@ -23,6 +23,11 @@ use super::single_direction::single_direction;
 /// because numbers in files are rounded.
 const MAX_PAD_ERROR: f64 = 0.02;
 
+/// Largest number of digits after the point of centres of pads that may be rounded.
+const MAX_DIGITS: i32 = 7;
+/// The pitch is at least this multiple of the last digit of rounded centres of pads.
+const MIN_DIGITS_PER_PITCH: f64 = 5.0;
+
 /// Largest usual rotation in the first sample of a roll, relative to the rotation of the whole roll.
 const MAX_FIRST_TURN: f64 = 0.2;
 /// If the p-value of an estimate is below this value, or if there is no estimate, least squares tests whether the contact
@@ -71,6 +76,53 @@ impl SeriesReadings {
             })
         };
         self.rolls.iter().filter_map(ends).collect()
+    }
+
+    /// If the centres of the pads are a lattice with rounded coordinates, replaces them by the exact lattice.
+    pub(super) fn snap_to_lattice(&mut self, cell: &PadCell) {
+        let samples = || self.rolls.iter().flat_map(|roll| &roll.samples);
+        let Some(first) = samples().next().map(|one| one.place) else {
+            return;
+        };
+        let mut last = None;
+        let changed = samples().filter(|one| last.replace(one.place) != Some(one.place));
+        let centres: Vec<Vector2<f64>> = changed.map(|one| one.place).collect();
+        let is_multiple = |number: f64| (number - number.round()).abs() < 1e-6;
+        let rounded = |scale: &f64| {
+            centres
+                .iter()
+                .all(|at| at.iter().all(|one| is_multiple(one * scale)))
+        };
+        let mut scales = (0..MAX_DIGITS).map(|digits| 10_f64.powi(digits));
+        let Some(scale) = scales.find(rounded) else {
+            return;
+        };
+        // Rounding does not change a lattice whose pitch is a multiple of the last digit.
+        if (is_multiple(cell.pitch * scale) && !cell.is_hexagonal)
+            || cell.pitch * scale < MIN_DIGITS_PER_PITCH
+        {
+            return;
+        }
+        let [mut low, mut high] =
+            [f64::INFINITY, f64::NEG_INFINITY].map(|end| Vector2::repeat(end));
+        let lattice = |place: &Vector2<f64>| {
+            let at = lattice_place(&(place - first), cell).map(f64::round);
+            let shape = match cell.is_hexagonal {
+                true => Vector2::new(at.x + 0.5 * at.y, 0.5 * 3.0_f64.sqrt() * at.y),
+                false => at,
+            };
+            shape * cell.pitch
+        };
+        for place in &centres {
+            let offset = place - lattice(place);
+            (low, high) = (low.inf(&offset), high.sup(&offset));
+        }
+        if (high - low).amax() <= (1.0 + 1e-6) / scale {
+            let origin = (low + high) * 0.5;
+            for sample in self.rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
+                sample.place = origin + lattice(&sample.place);
+            }
+        }
     }
 
     /// Question about rotation vectors that are far from 0 in the first samples of the rolls.
@@ -271,6 +323,18 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
     explained(message, error.into())
 }
 
+/// Converts the difference of two pads' centres to a difference of places in the lattice of the pads.
+fn lattice_place(between: &Vector2<f64>, cell: &PadCell) -> Vector2<f64> {
+    let pitches = between / cell.pitch;
+    if !cell.is_hexagonal {
+        return pitches;
+    }
+    // The rows of hexagonal pads lie along u. Neighbouring rows are √3/2 pitches apart along v, and are shifted by half a
+    // pitch along u.
+    let row = pitches.y / (0.5 * 3.0_f64.sqrt());
+    Vector2::new(pitches.x - 0.5 * row.round(), row)
+}
+
 /// Checks that the distances between the active pads are possible in a lattice with the stated pitch.
 fn all_on_lattice(
     recorded: &RollRecording,
@@ -287,17 +351,8 @@ fn all_on_lattice(
         false => "square pads lie in rows along u and v",
     };
     let error_of = |place: &Vector2<f64>| {
-        let pitches = (place - first.place) / cell.pitch;
-        // The rows of hexagonal pads lie along u. Neighbouring rows are √3/2 pitches apart along v, and are shifted by
-        // half a pitch along u.
-        let [u, v] = match cell.is_hexagonal {
-            true => {
-                let row = pitches.y / (0.5 * 3.0_f64.sqrt());
-                [pitches.x - 0.5 * row.round(), row]
-            }
-            false => [pitches.x, pitches.y],
-        };
-        (u - u.round()).abs().max((v - v.round()).abs())
+        let at = lattice_place(&(place - first.place), cell);
+        (at - at.map(f64::round)).amax()
     };
     for (roll, series) in readings.rolls.iter().enumerate() {
         // The active pad rarely changes. So check the place of a sample's pad only if it differs from that of the

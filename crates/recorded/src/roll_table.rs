@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use nalgebra::{Vector2, Vector3};
-use palpate_ep1::RollSeries;
+use palpate_ep1::{RollSample, RollSeries};
 use palpate_statistics::Number;
 use palpate_study::Warning;
 use palpate_study::readings::{COLUMNS, Column, columns_of};
@@ -124,6 +124,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
         }
     };
     let mut rolls: Vec<Roll> = Vec::new();
+    let mut equal_times = 0;
     // For each probe: the index of its roll, and the time of its last row.
     let mut earlier: HashMap<u64, (usize, f64)> = HashMap::new();
     for (row, ((line, numbers), &probe)) in sheet.rows().zip(&probes).enumerate() {
@@ -154,7 +155,8 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
                         },
                     ));
                 }
-                if t_s <= before {
+                equal_times += usize::from(t_s == before);
+                if t_s < before {
                     let (name, t_s) = (header.time().unwrap_or("t_s"), Number(t_s));
                     let before = Number(before);
                     return Err(sheet.fail(
@@ -178,6 +180,12 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
             .collect::<Result<Vec<_>, _>>()
     };
     let mut notes = sheet.source.notes.clone();
+    if equal_times > 0 {
+        let text = format!(
+            "{equal_times} rows have the same time as the row before, although their readings differ; the order of the rows is used, and rows with equal times are spread evenly until the next time"
+        );
+        notes.push(Warning::new("time-order", text, []));
+    }
     let mut note = |text: String| notes.push(Warning::new("assumed-columns", text, []));
     // A file does not state the frame of reference of its orientations. If the user does not state it either, try two
     // frames for time series: the probe's frame and the world's frame.
@@ -283,6 +291,15 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
                 let since = times[0] - rolls[place].start_s;
                 samples[place].samples.push(sample(since, turned, contact));
             }
+            if equal_times > 0 {
+                for (roll, series) in rolls.iter().zip(&mut samples) {
+                    if !spread_times(&mut series.samples) {
+                        let message =
+                            format!("all rows of probe {} have the same time", roll.probe);
+                        return Err(sheet.fail(roll.end.0, message));
+                    }
+                }
+            }
             let starts_rotated = |roll: &Roll<'_>| {
                 let start = Roll {
                     end: roll.start,
@@ -318,6 +335,27 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     recording.source.rows = sheet.source.rows;
     recording.extras = sheet.extras;
     Ok((recording, found.is_some()))
+}
+
+/// Spreads successive samples with equal times evenly until the next time. Returns false if all times are equal.
+fn spread_times(samples: &mut [RollSample]) -> bool {
+    let (mut start, mut interval) = (0, 0.0);
+    while let Some(first) = samples.get(start).map(|one| one.time_s) {
+        let count = samples[start..]
+            .iter()
+            .take_while(|one| one.time_s == first)
+            .count();
+        if let Some(next) = samples.get(start + count) {
+            interval = (next.time_s - first) / count as f64;
+        } else if interval == 0.0 && count > 1 {
+            return false;
+        }
+        for (at, sample) in samples[start..start + count].iter_mut().enumerate() {
+            sample.time_s += interval * at as f64;
+        }
+        start += count;
+    }
+    true
 }
 
 /// Error for a table without a header. The message proposes values of the setting `columns` with which the table
