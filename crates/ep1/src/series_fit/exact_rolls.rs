@@ -22,14 +22,6 @@ const MIN_EXACT: f64 = 0.01;
 /// A fit with noise of crossings ends if the coefficients of the shape change by less than this value.
 const NOISE_TOLERANCE: f64 = 1e-6;
 
-/// A fit that assumes a noise of the contact at crossings of pad edges.
-struct NoisyFit {
-    noise: FitNoise,
-    /// Logarithm of the evidence for this noise.
-    evidence: f64,
-    fit: SeriesFit<3>,
-}
-
 impl Problem<'_> {
     /// The estimate from exact rotations and active pads. `fit` is the least-squares fit to the crossings of pad edges.
     pub(super) fn of_sets(
@@ -57,23 +49,18 @@ impl Problem<'_> {
             (set, Some(fit)) => (set, fit),
         };
         let fits = self.noisy_fits(data, noise, &fit.shape);
-        let order =
-            |one: &usize, other: &usize| fits[*one].evidence.total_cmp(&fits[*other].evidence);
+        let order = |one: &usize, other: &usize| fits[*one].0.total_cmp(&fits[*other].0);
         let best = (0..fits.len()).max_by(order);
         let best = best.ok_or_else(|| undetermined(self.rolls))?;
-        let NoisyFit {
-            noise,
-            fit: best_fit,
-            ..
-        } = &fits[best];
-        let likelihood = |at: usize| libm::exp(fits[at].evidence - fits[best].evidence);
+        let (first, best_fit) = (&fits[0].1, &fits[best].1);
+        let likelihood = |at: usize| libm::exp(fits[at].0 - fits[best].0);
         let noisy: f64 = (1..fits.len()).map(likelihood).sum::<f64>() * NOISE_WEIGHT;
         let share = exact
             .as_ref()
             .map_or(0.0, |_| likelihood(0) / (likelihood(0) + noisy));
         if share < MIN_EXACT {
             let worst = self.p_values(data, best_fit);
-            if let Some(p_value) = self.change(data, noise, best_fit, worst).0 {
+            if let Some(p_value) = self.change(data, noise, first, worst).0 {
                 return Err(SeriesError::ChangingCurvature { p_value });
             }
             if self.leaves_out(worst) {
@@ -84,9 +71,13 @@ impl Problem<'_> {
                 let p_value = |roll: &usize| self.reports[*roll].p_value.unwrap_or(1.0);
                 let order = |one: &usize, other: &usize| p_value(one).total_cmp(&p_value(other));
                 let roll = data.iter().map(|roll| roll.roll).min_by(order);
-                return Err(SeriesError::Contradiction {
-                    roll: roll.unwrap_or_default(),
-                });
+                let roll = roll.unwrap_or_default();
+                let change = self.change(data, noise, first, None).0;
+                return Err(
+                    change.map_or(SeriesError::Contradiction { roll }, |p_value| {
+                        SeriesError::ChangingCurvature { p_value }
+                    }),
+                );
             }
         }
         // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over
@@ -95,7 +86,7 @@ impl Problem<'_> {
             true => self.set(cell, data, Some(fit), self.widths(data, &fit.shape).0),
             false => exact.filter(|_| share > MIN_EXACT),
         };
-        let change = self.change(data, noise, best_fit, None);
+        let change = self.change(data, noise, first, None);
         let mut all = Vec::with_capacity(fits.len() + 1);
         if let Some(set) = set {
             let mut estimate = self.of_set(set, change)?;
@@ -106,7 +97,7 @@ impl Problem<'_> {
             all.push((likelihood(0) * f64::from(u8::from(!alternates)), estimate));
         }
         all.push((0.0, self.of_fit(best_fit, 1)));
-        for (at, NoisyFit { fit, .. }) in fits.iter().enumerate() {
+        for (at, (_, fit)) in fits.iter().enumerate() {
             let weight = match at {
                 0 => f64::from(u8::from(alternates)),
                 _ => NOISE_WEIGHT,
@@ -119,10 +110,16 @@ impl Problem<'_> {
         Ok(found)
     }
 
-    /// Fits with increasing noise of the contact at the crossings. The first fit has no such noise.
-    fn noisy_fits(&self, data: &[RollData], noise: &FitNoise, shape: &LocalShape) -> Vec<NoisyFit> {
+    /// Fits with increasing noise of the contact at the crossings, each with the logarithm of its evidence. The first
+    /// fit has no such noise.
+    fn noisy_fits(
+        &self,
+        data: &[RollData],
+        noise: &FitNoise,
+        shape: &LocalShape,
+    ) -> Vec<(f64, SeriesFit<3>)> {
         let (unit, alternates) = (self.widths(data, shape).1, self.alternates());
-        let mut all: Vec<NoisyFit> = Vec::new();
+        let mut all: Vec<(f64, SeriesFit<3>)> = Vec::new();
         let mut contact_std = 0.0;
         while contact_std < 1.0 {
             let noise = FitNoise {
@@ -133,12 +130,8 @@ impl Problem<'_> {
                 break;
             };
             let evidence = fit.log_evidence();
-            let is_less = all.last().is_some_and(|last| evidence < last.evidence);
-            all.push(NoisyFit {
-                noise,
-                evidence,
-                fit,
-            });
+            let is_less = all.last().is_some_and(|last| evidence < last.0);
+            all.push((evidence, fit));
             if contact_std > MAX_NOISE * unit && (is_less || !alternates) {
                 break;
             }
