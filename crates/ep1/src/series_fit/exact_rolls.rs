@@ -48,7 +48,7 @@ impl Problem<'_> {
             (_, None) => return Err(undetermined(self.rolls)),
             (set, Some(fit)) => (set, fit),
         };
-        let fits = self.noisy_fits(data, noise, &fit.shape);
+        let fits = self.noisy_fits(data, noise, fit);
         let order = |one: &usize, other: &usize| fits[*one].0.total_cmp(&fits[*other].0);
         let best = (0..fits.len()).max_by(order);
         let best = best.ok_or_else(|| undetermined(self.rolls))?;
@@ -116,9 +116,9 @@ impl Problem<'_> {
         &self,
         data: &[RollData],
         noise: &FitNoise,
-        shape: &LocalShape,
+        rough: &SeriesFit<3>,
     ) -> Vec<(f64, SeriesFit<3>)> {
-        let (unit, alternates) = (self.widths(data, shape).1, self.alternates());
+        let (unit, alternates) = (self.widths(data, &rough.shape).1, self.alternates());
         let mut all: Vec<(f64, SeriesFit<3>)> = Vec::new();
         let mut contact_std = 0.0;
         while contact_std < 1.0 {
@@ -126,7 +126,10 @@ impl Problem<'_> {
                 contact_std,
                 ..*noise
             };
-            let Some(fit) = SeriesFit::new(data, &noise, *shape, NOISE_TOLERANCE) else {
+            let fit = SeriesFit::new(data, &noise, rough.shape, NOISE_TOLERANCE);
+            // If the curvature changes, the fit may not converge.
+            let rough = || all.is_empty().then(|| rough.clone());
+            let Some(fit) = fit.or_else(rough) else {
                 break;
             };
             let evidence = fit.log_evidence();
