@@ -138,9 +138,8 @@ impl Problem<'_> {
             let mut first = SeriesFit::<3>::weighted(&data, &noise, LocalShape::FLAT, tolerance);
             // If the curvature changes, a fit of constant curvature may not converge. Its result is then still good enough
             // as the start of fits with more terms.
-            let is_converged = first.is_some();
-            let has_pads = matches!(self.places, Places::Pads(_));
-            if !is_converged && (has_pads || self.method == SeriesMethod::Trajectory) {
+            let is_rough = first.is_none() && !noise.is_estimated;
+            if is_rough {
                 first = SeriesFit::new(&data, &noise, LocalShape::FLAT, ROUGH_TOLERANCE);
             }
             if let (true, Places::Pads(cell)) = (is_set, self.places) {
@@ -177,8 +176,8 @@ impl Problem<'_> {
                     let change = self.change(&data, &noise, &first, worst);
                     if change.0.is_some() {
                         worst = None;
-                    } else if worst.is_none() && !is_converged {
-                        return Err(undetermined(rolls));
+                    } else if worst.is_none() && is_rough {
+                        return Err(self.contradiction(&data));
                     }
                     let found = unbiased(data, &noise, first).ok_or(SeriesError::NotRolling)?;
                     let mut found = self.of_fit(&found, 1);
@@ -224,6 +223,16 @@ impl Problem<'_> {
         let p_value = 3.0 * falls.map(p_value).fold(1.0, f64::min);
         let change = (p_value < CHANGE_LEVEL).then_some(p_value);
         (change, changed.of_paraboloid > MAX_CHANGE)
+    }
+
+    /// The error if rolls contradict each other. It names the roll with the smallest p-value.
+    fn contradiction(&self, data: &[RollData]) -> SeriesError {
+        let p_value = |roll: &usize| self.reports[*roll].p_value.unwrap_or(1.0);
+        let order = |one: &usize, other: &usize| p_value(one).total_cmp(&p_value(other));
+        let roll = data.iter().map(|roll| roll.roll).min_by(order);
+        SeriesError::Contradiction {
+            roll: roll.unwrap_or_default(),
+        }
     }
 
     /// Leaves out the roll `roll` as an outlier, and returns `true`. Returns `false` if `roll` is `None`, or if too

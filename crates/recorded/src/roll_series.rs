@@ -314,7 +314,7 @@ fn refused(recorded: &RollRecording, readings: &SeriesReadings, error: SeriesErr
             at(roll, sample)
         ),
         SeriesError::Contradiction { roll } => format!(
-            "no constant curvature agrees with the rotations and pads of all probes: the curvature changes along the rolls (use method trajectory), the rotations have noise (state it), or a probe is wrong, most likely probe {}",
+            "no constant curvature agrees with the rotations and pads of all probes: the curvature changes along the rolls (use method trajectory), the rotations have noise (state it, or a larger one if it is stated), or a probe is wrong, most likely probe {}",
             recorded.probe(roll)
         ),
         SeriesError::TooFewRolls { .. } => recorded.with_note(&error),

@@ -68,16 +68,10 @@ impl Problem<'_> {
             }
             // Large noise of the contact would make pads alternate.
             if worst.is_some() || (best + 1 == fits.len() && !alternates) {
-                let p_value = |roll: &usize| self.reports[*roll].p_value.unwrap_or(1.0);
-                let order = |one: &usize, other: &usize| p_value(one).total_cmp(&p_value(other));
-                let roll = data.iter().map(|roll| roll.roll).min_by(order);
-                let roll = roll.unwrap_or_default();
-                let change = self.change(data, noise, first, None).0;
-                return Err(
-                    change.map_or(SeriesError::Contradiction { roll }, |p_value| {
-                        SeriesError::ChangingCurvature { p_value }
-                    }),
-                );
+                return Err(match self.change(data, noise, first, None).0 {
+                    Some(p_value) => SeriesError::ChangingCurvature { p_value },
+                    None => self.contradiction(data),
+                });
             }
         }
         // If active pads alternate at edges, the pads are not exact: move all edges outward by the largest distance over

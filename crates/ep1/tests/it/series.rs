@@ -147,7 +147,7 @@ fn the_set_contains_a_curvature_that_differs_between_directions() {
     for trial in 0..8 {
         // In every second trial, the probe spins by 2 rad.
         let spin = [0.0, 2.0][trial % 2];
-        let (contacts, roller) = integrated(&cylinder, (0.0, 0.0), [0.5, spin]);
+        let (contacts, roller) = integrated(&cylinder, (0.0, 0.0), [0.5, spin], 30);
         let from = roller.first_contact();
         let (_, truth) = cylinder
             .curvature_along(&from.on_object, &from.x_axis)

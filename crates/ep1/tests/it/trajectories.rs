@@ -12,18 +12,9 @@ use palpate_rolling::{Chart, Model, Motion, Roller, Rolls};
 use crate::ball_rolls::{EXACT, RADIUS, SQUARE, chart, on_squares, pad, rolls, without_starts};
 use crate::draws::Draws;
 
-/// Rolls of a probe of radius 1 on `shape`, with contact points in 30 samples. The rolling equations are integrated.
-/// `turn` contains the rotation in the direction of rolling and about the contact normal.
+/// Rolls of a probe of radius 1 on `shape`, with contact points in `samples` samples. The rolling equations are
+/// integrated. `turn` contains the rotation in the direction of rolling and about the contact normal.
 pub(crate) fn integrated(
-    shape: &Shape,
-    first: (f64, f64),
-    turn: [f64; 2],
-) -> (Vec<RollSeries>, Roller) {
-    sampled(shape, first, turn, 30)
-}
-
-/// Like [`integrated`], with the stated number of samples.
-fn sampled(
     shape: &Shape,
     first: (f64, f64),
     turn: [f64; 2],
@@ -93,7 +84,7 @@ fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
         (ellipsoid.clone(), (0.8, 0.5), 1.5, with),
         (ellipsoid, (0.8, 0.5), 3.0, with),
     ] {
-        let (rolls, roller) = integrated(&shape, first, [0.5, spin]);
+        let (rolls, roller) = integrated(&shape, first, [0.5, spin], 30);
         let from = roller.first_contact();
         let (_, truth) = shape
             .curvature_along(&from.on_object, &from.x_axis)
@@ -120,7 +111,7 @@ fn trajectories_find_the_curvature_at_the_start_of_long_rolls() {
 fn intervals_include_the_change_of_curvature_that_noise_hides() {
     let (places, mut draws) = (Places::Contacts { std: 1e-3 }, Draws(14));
     let paraboloid = Shape::Paraboloid(Graph::paraboloid(0.2).unwrap());
-    let (exact, _) = integrated(&paraboloid, (0.0, 0.0), [0.5, 0.0]);
+    let (exact, _) = integrated(&paraboloid, (0.0, 0.0), [0.5, 0.0], 30);
     let one = |_: &u32| {
         let mut rolls = exact.clone();
         for sample in rolls.iter_mut().flat_map(|roll| &mut roll.samples) {
@@ -134,6 +125,38 @@ fn intervals_include_the_change_of_curvature_that_noise_hides() {
     };
     let held = (0..100).filter(one).count();
     assert!(held >= 86, "{held}");
+}
+
+#[test]
+fn intervals_from_exact_pads_hold_if_the_curvature_changes() {
+    let saddle = Shape::Saddle(Graph::saddle(0.2).unwrap());
+    let (exact, _) = integrated(&saddle, (0.0, 0.0), [0.5, 0.0], 500);
+    let cell = PadCell {
+        pitch: 0.05,
+        ..SQUARE
+    };
+    let (mut draws, mut held, mut width) = (Draws(16), 0, 0.0);
+    for _ in 0..40 {
+        let mut rolls = exact.clone();
+        for roll in &mut rolls {
+            // The pads lie on one lattice for all rolls, but the rolls start at different places.
+            let start = Vector2::from_fn(|_, _| draws.uniform() - 0.5) * cell.pitch;
+            for sample in &mut roll.samples {
+                let path = chart(&(start * RADIUS), &(sample.place * RADIUS)) / RADIUS;
+                sample.place = path.map(|at| (at / cell.pitch).round() * cell.pitch);
+            }
+        }
+        let places = Places::Pads(cell);
+        let found = estimate_series(SeriesMethod::Trajectory, 1.0, &places, &EXACT, &rolls);
+        let found = found.unwrap();
+        for (angle_rad, truth) in [(0.0, -0.4), (0.5 * std::f64::consts::PI, 0.4)] {
+            let interval = found.interval95(Quantity::Normal { angle_rad });
+            let [low, high] = interval.map(Option::unwrap);
+            width += (high - low) / 80.0;
+            held += u32::from(low < truth && truth < high);
+        }
+    }
+    assert!(held >= 70 && width < 0.008, "{held} of 80, {width}");
 }
 
 #[test]
@@ -222,7 +245,7 @@ fn trajectories_are_found_from_exact_pads() {
 /// be a paraboloid. On a sphere, it does neither.
 #[test]
 fn pad_edges_name_a_change_of_the_curvature() {
-    let shape = |shape: Shape, first| sampled(&shape, first, [0.5, 0.0], 400);
+    let shape = |shape: Shape, first| integrated(&shape, first, [0.5, 0.0], 400);
     let ellipsoid = || Shape::Ellipsoid(Ellipsoid::new([3.0, 2.0, 1.5]).unwrap());
     let bowl = |c: f64| Shape::Paraboloid(Graph::paraboloid(c).unwrap());
     let objects = [
