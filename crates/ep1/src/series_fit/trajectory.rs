@@ -48,7 +48,8 @@ struct Candidate {
 }
 
 impl Problem<'_> {
-    /// The estimate, `None` if its fit does not converge, and the roll that contradicts the other rolls most. `first` is the fit of a constant curvature.
+    /// The estimate, `None` if its fit does not converge, and the roll that contradicts the other rolls most. `first` is
+    /// the fit of a constant curvature.
     ///
     /// Polynomials with one to three terms are fitted without priors. Akaike's information criterion selects one of
     /// these fits, which determines the reported number of terms, the noise and the outlier.
@@ -167,11 +168,11 @@ impl Problem<'_> {
             let weight = |criterion: f64| libm::exp(0.5 * (least - criterion));
             let found = SeriesEstimate::mean(all.iter().map(|one| (weight(one.0), &one.1)))?;
             rate = rates[likeliest];
-            let last_terms = rated.of_last_terms(&prior(curvature, rate))?;
+            let fewer = rated.without_last_terms(&prior(curvature, rate))? / self.radius;
             let apart = (estimate.entries() - at_rate).amax() * self.radius;
             let mut result = best.estimate.clone();
             (result.curvature, result.covariance) = (found.curvature, found.covariance);
-            result.widen(last_terms * (NEXT_TERM / self.radius));
+            result.widen((estimate.entries() - fewer) * NEXT_TERM);
             result.goodness = result.goodness.and(estimate.goodness);
             result.rolls.clone_from(&self.reports);
             mean = Some((result, worst));
@@ -235,23 +236,18 @@ impl Rated {
         })
     }
 
-    /// Change of the entries uu, vv and uv of the curvature form, in units of the probe's curvature, that is due to the
-    /// last two terms of the polynomial.
-    fn of_last_terms(&self, weights: &Coefficients) -> Option<Vector3<f64>> {
+    /// The entries uu, vv and uv of the curvature form, in units of the probe's curvature, if the last two terms of the
+    /// polynomial are 0.
+    fn without_last_terms(&self, weights: &Coefficients) -> Option<Vector3<f64>> {
         const FEWER: usize = coefficients(MAX_TERMS - 2);
         const LAST: usize = MAX_COEFFICIENTS - FEWER;
         let pull = self.gradient - weights.component_mul(&self.at);
         let information = self.information + Square::from_diagonal(weights);
-        let all = inverse_of(&information)? * pull;
-        // Without the last terms, their coefficients are 0.
         let pull = pull.fixed_rows::<FEWER>(0)
             + information.fixed_view::<FEWER, LAST>(0, FEWER) * self.at.fixed_rows::<LAST>(FEWER);
-        let fewer = inverse_of(&information.fixed_view::<FEWER, FEWER>(0, 0).into_owned())? * pull;
-        Some(Vector3::new(
-            all[0] - fewer[0],
-            all[2] - fewer[2],
-            all[1] - fewer[1],
-        ))
+        let change = inverse_of(&information.fixed_view::<FEWER, FEWER>(0, 0).into_owned())? * pull;
+        let [uu, uv, vv] = [0, 1, 2].map(|entry| self.at[entry] + change[entry]);
+        Some(Vector3::new(uu, vv, uv))
     }
 }
 
