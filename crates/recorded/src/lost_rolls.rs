@@ -10,7 +10,6 @@ use palpate_study::Warning;
 use palpate_study::config::LengthUnit;
 
 use super::error::RecordedError;
-use super::frame_pair::median;
 use super::log_warnings::listed;
 use super::roll_options::RollOptions;
 use super::roll_recording::RollRecording;
@@ -160,57 +159,44 @@ impl RollRecording {
             .fail(units.map_or(text.clone(), |(more, _)| format!("{text}; {more}")))
     }
 
-    /// Leaves out samples that repeat earlier readings, with a warning. If a sensor updates its readings less often than
+    /// Leaves out samples that repeat earlier readings, with warnings. If a sensor updates its readings less often than
     /// rows are written, the rows between two updates repeat held readings. A single sample may also repeat an old pad.
     pub(super) fn leave_out_repeated_samples(&mut self) {
-        let Some(series) = &mut self.series else {
+        let Some(mut series) = self.series.take() else {
             return;
         };
-        let held = fresh_samples(series);
-        let is_held = held.is_some();
-        if let Some((fresh, rows)) = held {
-            let mut count = [0; 2];
+        let total: usize = series.rolls.iter().map(|roll| roll.samples.len()).sum();
+        let held = fresh_samples(&series).map(|(fresh, rows)| {
+            let count: usize = fresh.iter().map(Vec::len).sum();
             for (roll, fresh) in series.rolls.iter_mut().zip(fresh) {
-                count[1] += roll.samples.len();
-                let mut fresh = fresh.into_iter();
-                roll.samples.retain(|_| fresh.next().unwrap_or_default());
-                count[0] += roll.samples.len();
+                roll.samples = fresh.into_iter().map(|at| roll.samples[at]).collect();
             }
-            let text = format!(
-                "readings are held for {rows} rows; {} of {} samples are left out because they repeat held readings",
-                count[1] - count[0],
-                count[1]
-            );
-            self.source.notes.push(Warning::new("left-out", text, []));
-        }
+            format!(
+                "readings are held for {rows} rows; {} of {total} samples are left out because they repeat held readings",
+                total - count
+            )
+        });
         let mut stale = Vec::new();
-        for (roll, series) in series
-            .rolls
-            .iter_mut()
-            .enumerate()
-            .filter(|_| series.has_pads)
-        {
-            for at in stale_samples(&series.samples).into_iter().rev() {
-                stale.push((roll, series.samples.remove(at)));
+        let rolls = series.rolls.iter_mut().enumerate();
+        for (roll, one) in rolls.filter(|_| series.has_pads) {
+            for at in stale_samples(&one.samples).into_iter().rev() {
+                let time_s = Number::rounded(one.samples.remove(at).time_s);
+                stale.push(format!("probe {} after {time_s} s", self.probe(roll)));
             }
         }
-        if stale.is_empty() && !is_held {
-            return;
+        let stale = (!stale.is_empty()).then(|| {
+            let stale = listed(stale.into_iter());
+            format!(
+                "a single sample on another pad, while the contact moves on, is left out: {stale}"
+            )
+        });
+        if held.is_some() || stale.is_some() {
+            self.readings = series.ends();
         }
-        self.readings = series.ends();
-        if stale.is_empty() {
-            return;
-        }
-        stale.sort_by_key(|one| one.0);
-        let at = |(roll, sample): &(usize, RollSample)| {
-            let time_s = Number::rounded(sample.time_s);
-            format!("probe {} after {time_s} s", self.probe(*roll))
-        };
-        let text = format!(
-            "samples are left out because only a single sample is on another pad while the contact moves on: {}",
-            listed(stale.iter().map(at))
-        );
-        self.source.notes.push(Warning::new("left-out", text, []));
+        let texts = held.into_iter().chain(stale);
+        let warnings = texts.map(|text| Warning::new("left-out", text, []));
+        self.source.notes.extend(warnings);
+        self.series = Some(series);
     }
 
     /// Leaves out the samples of time series in which the contact was lost, and returns a warning text; `None` if no
@@ -273,139 +259,104 @@ impl RollRecording {
     }
 }
 
-/// For each roll, whether each of its samples has new readings, and the number of rows for which readings are held.
+/// For each roll, the indices of the samples with new readings, and the number of rows for which readings are held.
 /// `None` if no readings are held.
-fn fresh_samples(series: &SeriesReadings) -> Option<(Vec<Vec<bool>>, usize)> {
-    type IsNew = fn(&RollSample, &RollSample) -> bool;
-    let is_turned: IsNew = |one, other| one.rotation != other.rotation;
-    let is_moved: IsNew = |one, other| one.place != other.place;
-    let changes = |is_new: IsNew| -> Vec<Vec<usize>> {
-        let rolls = series.rolls.iter().map(|roll| {
+fn fresh_samples(series: &SeriesReadings) -> Option<(Vec<Vec<usize>>, usize)> {
+    let changes = |is_new: fn(&RollSample, &RollSample) -> bool| -> Vec<Vec<usize>> {
+        let new = |roll: &RollSeries| {
             let pairs = roll.samples.windows(2).zip(1..);
             let new = pairs.filter(|(pair, _)| is_new(&pair[0], &pair[1]));
             new.map(|(_, at)| at).collect()
-        });
-        rolls.collect()
-    };
-    let samples = || series.rolls.iter().flat_map(|roll| &roll.samples);
-    let of_rotation = changes(is_turned);
-    let steps = samples().flat_map(|one| [one.rotation.x, one.rotation.y]);
-    let turned = steady_hold(&of_rotation).filter(|_| step_of(steps) == 0.0);
-    let of_place = changes(is_moved);
-    let moved = match series.has_pads {
-        true => common_hold(&of_place),
-        false => {
-            let steps = samples().flat_map(|one| [one.place.x, one.place.y]);
-            steady_hold(&of_place).filter(|_| step_of(steps) == 0.0)
-        }
-    };
-    let rows = turned.max(moved)?;
-    let fresh = |holds: [Option<usize>; 2]| -> Vec<Vec<bool>> {
-        let of_roll = |roll: usize| {
-            let count = series.rolls[roll].samples.len();
-            let mut fresh = vec![true; count];
-            for (changes, hold) in [&of_rotation[roll], &of_place[roll]].into_iter().zip(holds) {
-                let Some(hold) = hold else { continue };
-                let phase = changes.first().map_or(0, |first| first % hold);
-                let is_pad = series.has_pads && std::ptr::eq(changes, &raw const of_place[roll]);
-                for (at, fresh) in fresh.iter_mut().enumerate() {
-                    *fresh &= match is_pad {
-                        true => at % hold == phase,
-                        false => at == 0 || changes.binary_search(&at).is_ok(),
-                    };
-                }
-            }
-            // The first sample states where the roll starts. It is sound if the next one is on the same pad.
-            let samples = &series.rolls[roll].samples;
-            if let Some(next) = fresh.iter().position(|fresh| *fresh) {
-                fresh[0] |= !series.has_pads || samples[0].place == samples[next].place;
-            }
-            fresh
         };
-        (0..series.rolls.len()).map(of_roll).collect()
+        series.rolls.iter().map(new).collect()
     };
-    let count = |fresh: &[Vec<bool>]| fresh.iter().flatten().filter(|fresh| **fresh).count();
-    let total = samples().count();
+    let turned = changes(|one, other| one.rotation != other.rotation);
+    let moved = changes(|one, other| one.place != other.place);
+    let samples = || series.rolls.iter().flat_map(|roll| &roll.samples);
+    // Readings that are multiples of a large step repeat because of this step.
+    let angles = samples().flat_map(|one| [one.rotation.x, one.rotation.y]);
+    let places = samples().flat_map(|one| [one.place.x, one.place.y]);
+    let turned_hold = hold_of(&turned, false).filter(|_| step_of(angles) == 0.0);
+    let moved_hold = hold_of(&moved, series.has_pads);
+    let moved_hold = moved_hold.filter(|_| series.has_pads || step_of(places) == 0.0);
+    let rows = turned_hold.max(moved_hold)?;
+    let fresh = |roll: usize, [turned_hold, moved_hold]: [Option<usize>; 2]| -> Vec<usize> {
+        let samples = &series.rolls[roll].samples;
+        let (turned, moved) = (&turned[roll], &moved[roll]);
+        let is_new = |at: &usize| *at == 0 || turned.binary_search(at).is_ok();
+        let is_moved = |at: &usize, hold: usize| match series.has_pads {
+            true => at % hold == moved.first().map_or(0, |first| first % hold),
+            false => *at == 0 || moved.binary_search(at).is_ok(),
+        };
+        let all = 0..samples.len();
+        let all = all.filter(|at| turned_hold.is_none() || is_new(at));
+        all.filter(|at| moved_hold.is_none_or(|hold| is_moved(at, hold)))
+            .collect()
+    };
     // The rotations and the places may be updated in different rows.
-    let all = [[turned, moved], [None, moved], [turned, None]].map(fresh);
-    let enough = |fresh: &Vec<Vec<bool>>| {
-        let is_left = |roll: &Vec<bool>| roll.iter().filter(|fresh| **fresh).count() > 1;
-        let is_used =
-            |(fresh, roll): (&Vec<bool>, &RollSeries)| roll.samples.len() < 2 || is_left(fresh);
-        count(fresh) * rows * 2 > total && fresh.iter().zip(&series.rolls).all(is_used)
-    };
-    let found = all.into_iter().find(enough)?;
-    (count(&found) < total).then_some((found, rows))
+    let total = samples().count();
+    let choices = [
+        [turned_hold, moved_hold],
+        [None, moved_hold],
+        [turned_hold, None],
+    ];
+    let mut choices = choices.into_iter().map(|holds| -> Vec<Vec<usize>> {
+        let rolls = 0..series.rolls.len();
+        rolls.map(|roll| fresh(roll, holds)).collect()
+    });
+    let found =
+        choices.find(|fresh| fresh.iter().map(Vec::len).sum::<usize>() * rows * 2 > total)?;
+    Some((found, rows))
 }
 
-/// The usual number of rows between successive changes of a reading that is updated regularly. `changes` contains the rows
-/// of each roll in which the reading changed. `None` if it is updated in each row, or irregularly.
-fn steady_hold(changes: &[Vec<usize>]) -> Option<usize> {
-    let lengths = changes
-        .iter()
-        .flat_map(|rows| rows.windows(2).map(|pair| pair[1] - pair[0]));
-    let mut lengths: Vec<usize> = lengths.collect();
-    let count = lengths.len();
+/// Number of rows for which a reading is held. `changes` contains the rows of each roll in which the reading changed. Active
+/// pads change rarely, so all intervals between their changes must be multiples of this number. `None` if the reading is
+/// updated in each row, or irregularly.
+fn hold_of(changes: &[Vec<usize>], is_pad: bool) -> Option<usize> {
+    let pairs = changes.iter().flat_map(|rows| rows.windows(2));
+    let mut lengths: Vec<usize> = pairs.map(|pair| pair[1] - pair[0]).collect();
     lengths.sort_unstable();
+    let count = lengths.len();
     let usual = *lengths.get(count / 2)?;
-    let steady = lengths
-        .iter()
-        .filter(|length| length.abs_diff(usual) <= 1)
-        .count();
-    (usual > 1 && count >= MIN_CHANGES && steady as f64 >= MIN_HELD_SHARE * count as f64)
-        .then_some(usual)
-}
-
-/// The largest number of rows of which all intervals between successive changes of the active pad in a roll are multiples.
-/// `None` if it is 1 or may be chance.
-fn common_hold(changes: &[Vec<usize>]) -> Option<usize> {
-    let lengths = || {
-        changes
-            .iter()
-            .flat_map(|rows| rows.windows(2).map(|pair| pair[1] - pair[0]))
-    };
     let divisor = |mut one: usize, mut other: usize| {
         while other > 0 {
             (one, other) = (other, one % other);
         }
         one
     };
-    let hold = lengths().fold(0, divisor);
-    let middle = median(lengths().map(|length| length as f64))?;
-    let is_sure = hold > 1 && middle >= (MIN_HELD_RATIO * hold) as f64;
-    (is_sure && lengths().count() >= MIN_CHANGES).then_some(hold)
+    let steady = lengths.iter().filter(|length| length.abs_diff(usual) <= 1);
+    let is_steady = steady.count() as f64 >= MIN_HELD_SHARE * count as f64;
+    let (hold, is_sure) = match is_pad {
+        true => {
+            let hold = lengths.into_iter().fold(0, divisor);
+            (hold, usual >= MIN_HELD_RATIO * hold)
+        }
+        false => (usual, is_steady),
+    };
+    (hold > 1 && count >= MIN_CHANGES && is_sure).then_some(hold)
 }
 
 /// Indices of single samples that are on another pad than many samples before and after them, although the probe turns
 /// steadily and no edge is near.
 fn stale_samples(samples: &[RollSample]) -> Vec<usize> {
-    let runs: Vec<&[RollSample]> = samples
+    let runs: Vec<_> = samples
         .chunk_by(|one, next| one.place == next.place)
         .collect();
     let (mut stale, mut at) = (Vec::new(), 0);
-    for (index, run) in runs.iter().enumerate() {
-        at += run.len();
-        let (Some(earlier), Some(later)) = (
-            index.checked_sub(1).map(|one| runs[one]),
-            runs.get(index + 1),
-        ) else {
-            continue;
-        };
-        if run.len() > 1
-            || earlier[0].place != later[0].place
-            || earlier.len().min(later.len()) < MIN_AROUND
-        {
-            continue;
-        }
-        let [before, own, after] =
-            [earlier[earlier.len() - 1], run[0], later[0]].map(|one| one.rotation);
-        // Other short runs near the sample show that pads alternate at an edge.
-        let is_short =
-            |near: Option<&&[RollSample]>| near.is_some_and(|near| near.len() < MIN_AROUND);
-        let alternates = is_short(index.checked_sub(2).and_then(|one| runs.get(one)))
-            || is_short(runs.get(index + 2));
-        if (own - before).dot(&(after - own)) > 0.0 && !alternates {
-            stale.push(at - 1);
+    for (index, three) in runs.windows(3).enumerate() {
+        at += three[0].len();
+        let (before, own, after) = (three[0][three[0].len() - 1], three[1][0], three[2][0]);
+        let is_long = three[0].len().min(three[2].len()) >= MIN_AROUND;
+        let is_single = three[1].len() == 1 && before.place == after.place && is_long;
+        // Other short runs on the same pad show that pads alternate at an edge.
+        let is_short = |run: &[RollSample]| run[0].place == own.place && run.len() < MIN_AROUND;
+        let near = [index.checked_sub(1), Some(index + 3)]
+            .into_iter()
+            .flatten();
+        let alternates = near.filter_map(|at| runs.get(at)).any(|run| is_short(run));
+        let turned = (own.rotation - before.rotation).dot(&(after.rotation - own.rotation));
+        if is_single && !alternates && turned > 0.0 {
+            stale.push(at);
         }
     }
     stale

@@ -364,6 +364,36 @@ fn noise_of_contacts_widens_the_bounds() {
     }
 }
 
+/// The contact at each sample has noise that is smaller than the step between two samples, so pads hardly alternate.
+#[test]
+fn noise_of_crossings_is_estimated() {
+    let (mut draws, mut held) = (Draws(5), 0);
+    let trials = 60;
+    for trial in 0..trials {
+        let mut rolls = rolls(47.0, &SQUARE, 0.1 * f64::from(trial), &mut draws);
+        for roll in &mut rolls {
+            let start = roll.start.take().unwrap();
+            roll.samples = roll.samples.iter().step_by(5).copied().collect();
+            for sample in &mut roll.samples {
+                let drive = Vector2::new(-sample.rotation.y, sample.rotation.x);
+                let noise = Vector2::from_fn(|_, _| draws.normal()) * 0.003;
+                let path = drive / (1.0 / RADIUS + 1.0 / 47.0);
+                sample.place = pad(&SQUARE, &(chart(&start, &path) + noise));
+            }
+        }
+        let found = on_squares(SeriesMethod::PadEdge, &EXACT, &rolls).unwrap();
+        assert!(found.rolls.iter().all(|roll| roll.left_out.is_none()));
+        let [low, high] = found.interval95(Quantity::Mean).map(Option::unwrap);
+        let distance = (1.0 / 47.0 - 0.5 * (low + high)) / (0.5 * (high - low));
+        assert!(
+            distance.abs() < 2.0 && high - low < 0.05 / 47.0,
+            "{trial}: {distance}"
+        );
+        held += i32::from(distance.abs() < 1.0);
+    }
+    assert!(held >= 53, "{held} of {trials}");
+}
+
 #[test]
 fn gaps_and_chatter_do_not_bias() {
     let mut rolls = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(3)));
