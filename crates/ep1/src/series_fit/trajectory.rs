@@ -132,9 +132,14 @@ impl Problem<'_> {
         let (mut rate, mut mean) = (curvature, None);
         for _ in 0..MAX_FITS {
             noise.prior = prior(curvature, rate).into();
-            // With another rate, the fit may fail to converge. The result with the rate before is then good enough.
+            // With a large rate, the fit may fail to converge. The result with the rate before is then good enough, or a
+            // result with the smallest rate.
             let Some(mut fit) = SeriesFit::new(data, &noise, shape, TOLERANCE) else {
-                break;
+                if mean.is_some() || rate == rates[0] {
+                    break;
+                }
+                rate = rates[0];
+                continue;
             };
             shape = fit.shape;
             let at_rate = self.of_fit(&fit, MAX_TERMS).entries();
