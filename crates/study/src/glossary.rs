@@ -246,7 +246,7 @@ subjects! {
         "unresolved": "The contact did not move in some direction although the probe rolled. The object's curvature is too large for the pitch of the pads, so the readings give only a bound on its radius. Use finer pads or longer rolls.";
         "not-rolling": "The contact moved against the direction of the roll, which is impossible in a rolling contact. The noise is larger than the movement, or a sign of the readings is wrong. Use longer rolls or less noise. In recorded readings, a contact that moves to +u has rotation_y < 0.";
         "too-few-rolls": "There are fewer than two usable time series of rolls. A roll is not usable if it has fewer than two samples, does not rotate or stays on one pad.";
-        "time-order": "The times in the time series of a roll do not increase.";
+        "time-order": "The times in the time series of a roll do not increase. As a warning: several rows have the same time but different readings, so palpate used the order of the rows.";
         "off-probe": "A contact position in a time series is more than half the circumference of the probe away. The lengths may be in another unit.";
         "contradiction": "The rotations in the time series of a roll contradict the pads of this roll, or the other rolls, by more than the stated noise. The pitch, the radius of the probe or the axes may be wrong, or the probe slipped.";
         "changing-curvature": "The method `pad-edge` assumes a constant curvature, but the curvature changes along the rolls. As a warning: the readings do not show whether it changes. Use the method `trajectory`, or roll less far.";
