@@ -403,7 +403,7 @@ fn mean_and_warnings(rows: &[[f64; 6]], pitch: f64) -> (f64, String) {
 #[test]
 fn held_readings_are_left_out() {
     let rows = flattening(1000, 8, PITCH, 0.0);
-    let is_fresh = |row: &usize| row % 1001 % 5 == 0;
+    let is_fresh = |row: &usize| (row % 1001).is_multiple_of(5);
     let fresh = (0..rows.len()).filter(is_fresh).map(|row| rows[row]);
     let (mean, warnings) = mean_and_warnings(&fresh.collect::<Vec<_>>(), PITCH);
     assert_eq!(warnings, "[]");
