@@ -103,8 +103,7 @@ impl SeriesReadings {
         {
             return;
         }
-        let [mut low, mut high] =
-            [f64::INFINITY, f64::NEG_INFINITY].map(|end| Vector2::repeat(end));
+        let [mut low, mut high] = [f64::INFINITY, f64::NEG_INFINITY].map(Vector2::repeat);
         let lattice = |place: &Vector2<f64>| {
             let at = lattice_place(&(place - first), cell).map(f64::round);
             let shape = match cell.is_hexagonal {
