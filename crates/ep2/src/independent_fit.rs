@@ -221,18 +221,16 @@ impl IndependentFit {
         let shape = is_precise.then(|| settings.fit(&selection).ok()).flatten();
         let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
         let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
-        let rejected = |fit: &Fit| fit.basis.as_ref().and_then(|basis| basis.rejected);
         let spline = is_quadric.then(|| Penalised::default().fit(&self.patch).ok());
         let spline = spline.flatten();
         let of_spline = spline
             .as_ref()
             .and_then(|spline| spline.curvature_at(&centre.position).ok());
-        let of_implicit = rejected(spline.as_ref().unwrap_or(&self.fit));
         let of_shape = shape.map(|shape| Curvature {
             uncertainty: None,
             ..shape.point_at(&centre.position).curvature
         });
-        let factors = [of_shape, of_spline, of_implicit].into_iter().flatten();
+        let factors = [of_shape, of_spline].into_iter().flatten();
         let factors = factors.map(|other| {
             let [mean_std, gaussian_std] = match other.uncertainty {
                 Some(other) => [other.mean_std, other.gaussian_std],

@@ -19,8 +19,8 @@ use crate::misfit::{MAX_CONTACTS, Model};
 use crate::noise::{Noise, Variances};
 use crate::posterior::Posterior;
 use crate::spline::TensorSpline;
-use crate::square_quadric::{Square, SquareQuadric, UNKNOWNS};
-use crate::{Curvature, Ep2Error, Fit, Method, MisfitTest, NoiseEstimate, Patch, Sample};
+use crate::square_quadric::{Square, SquareQuadric, SquareTermPrior, UNKNOWNS};
+use crate::{Ep2Error, Fit, Method, MisfitTest, NoiseEstimate, Patch, Sample};
 use equations::{DEGREE, Equations, roughness_penalty};
 use roughness_posterior::{SeriesProblem, SquareTerm, likeliest_process};
 use series::SeriesEquations;
@@ -42,9 +42,9 @@ const MAX_UNKNOWN_SHARE: f64 = 0.6;
 /// spline, by at least this number. Therefore it can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
-/// Prior standard deviation of the coefficient m in the implicit quadric z = Q(a, b) + m z²/2, relative to the root
-/// mean square curvature of the surface. For a paraboloid, m is 0; for a ball, m is the curvature.
-const SQUARE_TERM_PRIOR: f64 = 2.0;
+/// Two surfaces describe the contacts: a spline, and a spline that is added to an implicit quadric. If their deviances
+/// (−2 ln of the likelihood) differ by more than this value, the posterior does not contain the less probable surface.
+const DECISIVE_DEVIANCE: f64 = 28.0;
 
 /// Largest number of effective degrees of freedom of a spline that is added to an implicit quadric. A larger number
 /// means that the surface is not close to an implicit quadric; an example is a torus.
@@ -78,17 +78,15 @@ pub struct Penalised {
 pub(crate) struct Basis {
     square: Square,
     quadric: SquareQuadric,
-    /// Prior standard deviation of the coefficient m if the spline is added to an implicit quadric z = Q + m z²/2;
-    /// `None` if the spline alone describes the surface.
-    square_term: Option<f64>,
+    /// Prior of the coefficient m if the spline is added to an implicit quadric z = Q + m z²/2; `None` if the spline
+    /// alone describes the surface.
+    square_term: Option<SquareTermPrior>,
     intervals: [usize; 2],
     variances: Variances,
     is_known: bool,
     noise: Option<NoiseEstimate>,
-    /// A rejected fit may be as good as the chosen one: a spline that is added to an implicit quadric, such as an
-    /// ellipsoid. This is the curvature of the rejected fit in the middle of the patch. The fit was rejected because an
-    /// ordinary quadric is about as probable, or because the contacts deviate from both quadrics.
-    pub(crate) rejected: Option<Curvature>,
+    /// The other quadric and the prior of its m, unless it is far less probable than the chosen quadric.
+    other: Option<(SquareQuadric, Option<SquareTermPrior>)>,
 }
 
 /// Smallest component of the normal in the middle of a patch along the normal of the patch: the cosine of 60 degrees.
@@ -223,73 +221,53 @@ impl Penalised {
             spectrum = Spectrum::of(&equations, &roughness, &variances)?;
         }
         let mut search = Search::new(&spectrum, self.criterion, is_known, expected);
-        let prior = SQUARE_TERM_PRIOR * bending.sqrt();
-        let about = quadric
-            .clone()
-            .with_square_term(prior, patch, &square, &known);
-        let about = about.map(|about| {
-            let equations = Equations::around(&about, patch, &square, &knots, false);
-            (
-                about,
-                spectrum.clone().with_right_side(&equations, &variances),
-            )
-        });
-        let (mut square_term, mut choice, mut rejected) = (None, None, None);
-        if let Some((about, spectrum)) = &about {
-            let implicit = Search::new(spectrum, self.criterion, is_known, expected);
-            let penalty = libm::log(patch.equations() as f64);
-            let gain = search.least_deviance() - implicit.least_deviance();
-            if gain > -penalty {
-                let best = implicit.best();
-                if gain > penalty && best.effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
-                    search = implicit;
-                    quadric = about.clone();
-                    (square_term, choice) = (Some(prior), Some(best));
-                } else {
-                    rejected = Some((about, spectrum, best));
-                }
+        let implicit = quadric.clone().with_square_term(patch, &square, &known);
+        let (mut square_term, mut other) = (None, None);
+        let of_implicit;
+        if let Some((implicit, prior)) = implicit {
+            let equations = Equations::around(&implicit, patch, &square, &knots, false);
+            of_implicit = spectrum.clone().with_right_side(&equations, &variances);
+            let about = Search::new(&of_implicit, self.criterion, is_known, expected);
+            let deviance = about.least_deviance() + implicit.square_term_deviance;
+            let gain = search.least_deviance() - deviance;
+            if gain > 0.0 && about.best().effective_unknowns < MAX_IMPLICIT_UNKNOWNS {
+                search = about;
+                let ordinary = std::mem::replace(&mut quadric, implicit);
+                square_term = Some(prior);
+                other = (gain < DECISIVE_DEVIANCE).then_some((ordinary, None));
+            } else if gain > -DECISIVE_DEVIANCE {
+                other = Some((implicit, Some(prior)));
             }
         }
-        let mut choice = choice.unwrap_or_else(|| search.best());
-        let spectrum = search.spectrum;
+        let mut choice = search.best();
         choice.scale = choice.scale.max(variances.min_scale());
-        let surface = |spectrum: &Spectrum, choice: &Choice, quadric, is_implicit| {
-            let deviation = spectrum.coefficients(&spectrum.filters(choice.log_weight));
-            let coefficients: Vec<f64> = match is_implicit {
-                false => SquareQuadric::spline_coefficients(quadric, &knots[0], &knots[1])
-                    .iter()
-                    .zip(&deviation)
-                    .map(|(quadric, deviation)| quadric + deviation)
-                    .collect(),
-                true => deviation.as_slice().to_vec(),
-            };
-            if !coefficients.iter().all(|one| one.is_finite()) {
-                return Err(Ep2Error::OutOfRange);
-            }
-            Ok(Fit {
-                frame: patch.frame,
-                domain: patch.domain,
-                spline: TensorSpline {
-                    u: square.knots(0, &knots[0]),
-                    v: square.knots(1, &knots[1]),
-                    coefficients,
-                },
-                mean: is_implicit.then(|| (quadric.clone(), square)),
-                posterior: None,
-                basis: None,
-                noise: None,
-                effective_unknowns: choice.effective_unknowns,
-                status: None,
-            })
-        };
-        let mut fit = surface(spectrum, &choice, &quadric, square_term.is_some())?;
-        let rejected = rejected.and_then(|(about, spectrum, best)| {
-            let fit = surface(spectrum, &best, about, true).ok()?;
-            Some(fit.centre().ok()?.curvature)
-        });
+        let spectrum = search.spectrum;
+        let mut coefficients = spectrum.coefficients(&spectrum.filters(choice.log_weight));
+        if square_term.is_none() {
+            let of_quadric = quadric.spline_coefficients(&knots[0], &knots[1]);
+            coefficients += DVector::from_vec(of_quadric);
+        }
+        if !coefficients.iter().all(|one| one.is_finite()) {
+            return Err(Ep2Error::OutOfRange);
+        }
         variances.heights *= choice.scale;
         variances.slopes *= choice.scale;
-        fit.noise = has_noise.then(|| variances.estimate(patch, &known));
+        let noise = has_noise.then(|| variances.estimate(patch, &known));
+        let fit = Fit {
+            frame: patch.frame,
+            domain: patch.domain,
+            spline: TensorSpline {
+                u: square.knots(0, &knots[0]),
+                v: square.knots(1, &knots[1]),
+                coefficients: coefficients.data.into(),
+            },
+            mean: square_term.map(|_| (quadric.clone(), square)),
+            posterior: None,
+            basis: None,
+            noise,
+            effective_unknowns: choice.effective_unknowns,
+            status: None,
+        };
         let basis = Basis {
             square,
             quadric,
@@ -297,8 +275,8 @@ impl Penalised {
             intervals,
             variances,
             is_known,
-            noise: fit.noise,
-            rejected,
+            noise,
+            other,
         };
         Ok((fit, basis))
     }
@@ -318,8 +296,19 @@ impl Basis {
         if self.noise.is_none() {
             return Ok(None);
         }
-        let equations = self.equations(patch);
-        roughness_posterior::posterior(&self.problem(&equations, patch)).map(Some)
+        let with = |(quadric, square_term)| Self {
+            quadric,
+            square_term,
+            ..self.clone()
+        };
+        let other = self.other.clone().map(with);
+        let bases = || std::iter::once(self).chain(&other);
+        let equations: Vec<_> = bases().map(|basis| basis.equations(patch)).collect();
+        let problems = bases().zip(&equations);
+        let problems: Vec<_> = problems
+            .map(|(basis, equations)| basis.problem(equations, patch))
+            .collect();
+        roughness_posterior::posterior(&problems).map(Some)
     }
 
     fn degree(&self) -> usize {
@@ -341,11 +330,17 @@ impl Basis {
             square: self.square,
             quadric: self.quadric.series(),
             square_term: self.square_term.map(|prior| {
-                let by_term = |a, b| self.quadric.by_square_term(a, b);
-                let derivative = approximated(self.degree(), by_term);
+                let of_series = |value: &dyn Fn(f64, f64) -> f64| {
+                    DVector::from_vec(approximated(self.degree(), value))
+                };
+                let derivative = of_series(&|a, b| self.quadric.by_square_term(a, b));
                 SquareTerm {
-                    derivative: DVector::from_column_slice(&derivative[UNKNOWNS..]),
-                    prior,
+                    derivative: derivative
+                        .rows(UNKNOWNS, derivative.len() - UNKNOWNS)
+                        .into(),
+                    std: prior.std,
+                    shift: prior.mean - self.quadric.square_term,
+                    surface: of_series(&|a, b| self.quadric.value_and_slopes(a, b)[0]),
                 }
             }),
         }

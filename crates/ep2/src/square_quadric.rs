@@ -15,6 +15,8 @@ const RANK_TOLERANCE: f64 = 1e-13;
 /// The height of the implicit quadric z = Q(a, b) + m z²/2 contains the root √(1 − 2mQ). This root must be at least
 /// this value, because the surface is vertical where the root is 0.
 const MIN_ROOT: f64 = 0.2;
+/// Standard deviation of the prior of the coefficient m, relative to the root mean square curvature of the surface.
+const SQUARE_TERM_STD: f64 = 1.0;
 /// Number of iterations of the fit. Each iteration computes the weights again from the noise and the slopes.
 const ITERATIONS: usize = 4;
 
@@ -86,10 +88,24 @@ pub(crate) struct SquareQuadric {
     unknowns: Row,
     /// The coefficient m of the implicit quadric z = Q + m z²/2, in the patch's unit of length. It is 0 if the surface
     /// is the ordinary quadric z = Q.
-    square_term: f64,
+    pub(crate) square_term: f64,
+    /// −2 ln of the factor by which the prior of m and the range of probable m reduce the likelihood of the surface;
+    /// 0 for an ordinary quadric.
+    pub(crate) square_term_deviance: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,
     pub(crate) noise: Option<NoiseEstimate>,
+}
+
+/// The prior of the coefficient m of an implicit quadric z = Q + m z²/2: a normal distribution.
+///
+/// Let k₁ and k₂ be the principal curvatures. The mean is (k₁³ + k₂³)/(k₁² + k₂²), which is the curvature of a sphere or
+/// a cylinder. There, m equals this curvature. m is 0 for paraboloids, and the curvature times (a/c)² for an ellipsoid
+/// with the semi-axes a along the surface and c perpendicular to it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SquareTermPrior {
+    pub(crate) mean: f64,
+    pub(crate) std: f64,
 }
 
 /// The equations of a contact in the coordinates of the square: one for its height and, if it has a normal, one for
@@ -136,6 +152,7 @@ impl SquareQuadric {
         let mut quadric = Self {
             unknowns: Row::zeros(),
             square_term: 0.0,
+            square_term_deviance: 0.0,
             covariance: Gram::zeros(),
             variances: Variances::START,
             noise: None,
@@ -143,23 +160,27 @@ impl SquareQuadric {
         let iterations = if patch.has_normals() { ITERATIONS } else { 2 };
         for _ in 0..iterations {
             let equations = NormalEquations::around(&quadric, patch, square, false);
-            quadric.improve(&equations, 0.0, patch, square, known)?;
+            quadric.improve(&equations, None, patch, square, known)?;
         }
         Ok(quadric)
     }
 
-    /// The implicit quadric z = Q + m z²/2 that fits the patch best. The search starts at `self`. `prior` is the prior
-    /// standard deviation of the coefficient m. `None` if the quadric has no height z at some point of the patch.
+    /// The implicit quadric z = Q + m z²/2 that fits the patch best, and the prior of m. The search starts at `self`.
+    /// `None` if the surface is flat, or if the implicit quadric has no height z at some point of the patch.
     pub(crate) fn with_square_term(
         mut self,
-        prior: f64,
         patch: &Patch,
         square: &Square,
         known: &Noise,
-    ) -> Option<Self> {
+    ) -> Option<(Self, SquareTermPrior)> {
+        let prior = self.square_term_prior(square);
+        if !(prior.std * prior.std).is_normal() {
+            return None;
+        }
         for _ in 0..ITERATIONS {
             let equations = NormalEquations::around(&self, patch, square, true);
-            self.improve(&equations, prior, patch, square, known).ok()?;
+            self.improve(&equations, Some(prior), patch, square, known)
+                .ok()?;
             let sides = || (-2..=2).map(|step| 0.5 * f64::from(step));
             let mut places = sides().flat_map(|a| sides().map(move |b| (a, b)));
             let is_graph = places.all(|(a, b)| self.shape(a, b).1 > MIN_ROOT);
@@ -167,15 +188,25 @@ impl SquareQuadric {
                 return None;
             }
         }
-        Some(self)
+        Some((self, prior))
+    }
+
+    fn square_term_prior(&self, square: &Square) -> SquareTermPrior {
+        let [uu, uv, vv] = self.second_derivatives(square);
+        let (sum, product) = (uu + vv, uu * vv - uv * uv);
+        let squares = sum * sum - 2.0 * product;
+        SquareTermPrior {
+            mean: sum * (sum * sum - 3.0 * product) / squares,
+            std: SQUARE_TERM_STD * (0.5 * squares).sqrt(),
+        }
     }
 
     /// Adds the solution of the equations to the quadric z = Q + m z²/2, and estimates the noise again. The coefficient
-    /// m changes only if its prior standard deviation `prior` is not 0.
+    /// m changes only if its prior is given.
     fn improve(
         &mut self,
         equations: &NormalEquations,
-        prior: f64,
+        prior: Option<SquareTermPrior>,
         patch: &Patch,
         square: &Square,
         known: &Noise,
@@ -186,16 +217,17 @@ impl SquareQuadric {
         self.covariance = inverse(&gram, patch.samples.len())?;
         let mut change = self.covariance * right;
         let mut of_square_term = 0.0;
-        if prior > 0.0 {
+        if let Some(SquareTermPrior { mean, std }) = prior {
             let term = &equations.of_square_term;
             let both = |kinds: &Kinds<f64>| kinds.heights / heights + kinds.slopes / slopes;
             let products = term.products.heights / heights + term.products.slopes / slopes;
             let replaced = self.covariance * products;
-            let per_prior = (prior * prior).recip();
+            let per_prior = (std * std).recip();
             let information = both(&term.squares) - products.dot(&replaced) + per_prior;
-            let right =
-                both(&term.right_sides) - replaced.dot(&right) - self.square_term * per_prior;
-            of_square_term = right / information;
+            let right = both(&term.right_sides) - replaced.dot(&right);
+            of_square_term = (right + (mean - self.square_term) * per_prior) / information;
+            let distance = (self.square_term + of_square_term - mean) / std;
+            self.square_term_deviance = distance * distance + libm::log(information / per_prior);
             change -= replaced * of_square_term;
         }
         self.unknowns += change;
@@ -248,7 +280,7 @@ impl SquareQuadric {
     }
 
     #[inline]
-    fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
+    pub(crate) fn value_and_slopes(&self, a: f64, b: f64) -> [f64; 3] {
         let ([value, along_a, along_b], root) = self.shape(a, b);
         [2.0 * value / (1.0 + root), along_a / root, along_b / root]
     }
@@ -329,11 +361,18 @@ impl SquareQuadric {
     /// Mean square, over all directions in the (u, v) plane of the patch, of the quadric's second derivative in a
     /// direction.
     pub(crate) fn mean_square_curvature(&self, square: &Square) -> f64 {
-        let [half_u, half_v] = square.half();
-        let uu = 2.0 * self.unknowns[3] / (half_u * half_u);
-        let uv = self.unknowns[4] / (half_u * half_v);
-        let vv = 2.0 * self.unknowns[5] / (half_v * half_v);
+        let [uu, uv, vv] = self.second_derivatives(square);
         0.5 * (uu * uu + 2.0 * uv * uv + vv * vv)
+    }
+
+    /// Second derivatives of Q along u², uv and v², in the patch's unit.
+    fn second_derivatives(&self, square: &Square) -> [f64; 3] {
+        let [half_u, half_v] = square.half();
+        [
+            2.0 * self.unknowns[3] / (half_u * half_u),
+            self.unknowns[4] / (half_u * half_v),
+            2.0 * self.unknowns[5] / (half_v * half_v),
+        ]
     }
 
     pub(crate) fn spline_coefficients(&self, a: &Knots, b: &Knots) -> Vec<f64> {

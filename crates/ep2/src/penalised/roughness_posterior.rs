@@ -51,6 +51,9 @@ const MIN_LOG_PROBABILITY: f64 = -7.0;
 /// Largest allowed ratio of the information from the contacts (the normal equations) to the information in the prior at
 /// the expected amplitude. At a larger ratio, rounding errors would dominate.
 const MAX_INFORMATION: f64 = 1e11;
+/// Prior probability that the surface is an implicit quadric with little roughness, and not an ordinary quadric with
+/// more roughness.
+const IMPLICIT_PROBABILITY: f64 = 0.25;
 
 /// Data from which the posterior is computed. The surface is a quadric plus a series of Chebyshev polynomials, and
 /// `equations` are the normal equations for the coefficients of the series.
@@ -73,7 +76,12 @@ pub(super) struct SquareTerm {
     /// Derivative of the surface with respect to m, as coefficients of all products of Chebyshev polynomials except
     /// those that form quadrics.
     pub(super) derivative: DVector<f64>,
-    pub(super) prior: f64,
+    /// Standard deviation of the prior of m.
+    pub(super) std: f64,
+    /// Mean of the prior of m, minus the m of the implicit quadric.
+    pub(super) shift: f64,
+    /// The implicit quadric, as coefficients of all products of Chebyshev polynomials.
+    pub(super) surface: DVector<f64>,
 }
 
 impl SeriesProblem<'_> {
@@ -122,70 +130,126 @@ struct Candidate {
     log_probability: f64,
 }
 
-/// The posterior of the surface, that is, its mean and covariance given the contacts.
+/// Mean and covariance of the coefficients of a surface, given the contacts.
+struct Distribution {
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+    /// Logarithm of the probability of the contacts, up to a constant that is the same for all problems with the same
+    /// contacts.
+    log_evidence: f64,
+}
+
+/// The posterior of the surface, that is, its mean and covariance given the contacts. It is the average of the
+/// posteriors of all `problems`, weighted by their probabilities, and describes the surface of the first problem. If
+/// this surface is an implicit quadric plus a series, the posterior is that of the series.
 ///
-/// The surface is a quadric with a flat prior plus a Gaussian process of unknown correlation length and amplitude. The
-/// posterior is the average of the posteriors for all lengths and amplitudes, weighted by their probabilities.
+/// In each problem, the surface is a quadric with a flat prior plus a Gaussian process of unknown correlation length
+/// and amplitude. The posterior is the average of the posteriors for all lengths and amplitudes.
 ///
 /// # Errors
 /// [`Ep2Error::OutOfRange`] if the equations do not determine the quadric.
-pub(super) fn posterior(problem: &SeriesProblem) -> Result<Posterior, Ep2Error> {
-    let Eliminated {
-        quadrics,
-        replaced,
-        start,
-        rest,
-    } = Eliminated::new(problem)?;
-    let mixture = rest.limited()?.mixture(problem.degree)?;
-
-    let carried = product(&replaced, &mixture.covariance);
-    let mut low = quadrics.inverse() * mixture.scale;
-    add_symmetric(&mut low, &carried, &replaced);
-    let (fixed, rough) = replaced.shape();
-    let mut covariance = DMatrix::from_fn(fixed + rough, fixed + rough, |row, column| {
-        match (row.checked_sub(fixed), column.checked_sub(fixed)) {
-            (None, None) => low[(row, column)],
-            (None, Some(column)) => -carried[(row, column)],
-            (Some(row), None) => -carried[(column, row)],
-            (Some(row), Some(column)) => mixture.covariance[(row, column)],
-        }
-    });
-    let change = start - replaced * &mixture.mean;
-    let mean: Vec<f64> = match &problem.square_term {
-        None => {
-            let quadric = problem.quadric.iter().zip(&change).map(|(a, b)| a + b);
-            quadric.chain(mixture.mean.iter().copied()).collect()
-        }
-        Some(term) => {
-            // The surface is the implicit quadric z = Q + m z²/2 plus a series. The posterior contains only the
-            // coefficients of Q and of the series. Therefore convert a change of m to the change of the series that it
-            // causes: `term.derivative` per unit of m.
-            let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
-            let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
-            quadrics.fill_with_identity();
-            let mut products = merged.view_mut((UNKNOWNS, fixed), (rough, rough));
-            products.fill_with_identity();
-            let mut of_term = merged.view_mut((UNKNOWNS, UNKNOWNS), (rough, 1));
-            of_term.copy_from(&term.derivative);
-            covariance = product(&product(&merged, &covariance), &merged.transpose());
-            let rough = &mixture.mean + &term.derivative * change[UNKNOWNS];
-            change
-                .iter()
-                .take(UNKNOWNS)
-                .chain(&rough)
-                .copied()
-                .collect()
-        }
+pub(super) fn posterior(problems: &[SeriesProblem]) -> Result<Posterior, Ep2Error> {
+    let first = &problems[0];
+    let size = count(first.degree);
+    let surface = |problem: &SeriesProblem| match &problem.square_term {
+        None => DVector::zeros(size),
+        Some(term) => term.surface.clone(),
     };
+    let mut all = vec![Distribution::new(first)?];
+    for problem in &problems[1..] {
+        let Ok(mut other) = Distribution::new(problem) else {
+            continue;
+        };
+        other.mean += surface(problem) - surface(first);
+        all.push(other);
+    }
+    let largest = all.iter().map(|one| one.log_evidence);
+    let largest = largest.fold(f64::NEG_INFINITY, f64::max);
+    let weight = |one: &Distribution| libm::exp(one.log_evidence - largest);
+    let total: f64 = all.iter().map(weight).sum();
+    let mut mean = DVector::zeros(size);
+    for one in &all {
+        mean.axpy(weight(one) / total, &one.mean, 1.0);
+    }
+    let mut covariance = DMatrix::zeros(size, size);
+    for one in &all {
+        let distance = &one.mean - &mean;
+        covariance += &one.covariance * (weight(one) / total);
+        covariance.ger(weight(one) / total, &distance, &distance, 1.0);
+    }
     let mut numbers = covariance.iter().chain(&mean);
     match numbers.all(|number| number.is_finite()) {
         true => Ok(Posterior::new(
-            problem.square,
-            problem.degree,
-            &mean,
+            first.square,
+            first.degree,
+            mean.as_slice(),
             &covariance,
         )),
         false => Err(Ep2Error::OutOfRange),
+    }
+}
+
+impl Distribution {
+    fn new(problem: &SeriesProblem) -> Result<Self, Ep2Error> {
+        let Eliminated {
+            quadrics,
+            replaced,
+            start,
+            rest,
+        } = Eliminated::new(problem)?;
+        let mixture = rest.limited()?.mixture(problem.degree)?;
+
+        let of_term = problem.square_term.as_ref();
+        let (prior, std) = match of_term {
+            Some(term) => (IMPLICIT_PROBABILITY, term.std),
+            None => (1.0 - IMPLICIT_PROBABILITY, 1.0),
+        };
+        let of_quadric = -0.5 * quadrics.ln_determinant() - libm::log(std);
+        let log_evidence = mixture.log_evidence + LIKELIHOOD_POWER * of_quadric + libm::log(prior);
+
+        let carried = product(&replaced, &mixture.covariance);
+        let mut low = quadrics.inverse() * mixture.scale;
+        add_symmetric(&mut low, &carried, &replaced);
+        let (fixed, rough) = replaced.shape();
+        let mut covariance = DMatrix::from_fn(fixed + rough, fixed + rough, |row, column| {
+            match (row.checked_sub(fixed), column.checked_sub(fixed)) {
+                (None, None) => low[(row, column)],
+                (None, Some(column)) => -carried[(row, column)],
+                (Some(row), None) => -carried[(column, row)],
+                (Some(row), Some(column)) => mixture.covariance[(row, column)],
+            }
+        });
+        let change = start - replaced * &mixture.mean;
+        let mut mean = DVector::zeros(UNKNOWNS + rough);
+        mean.rows_mut(0, UNKNOWNS)
+            .copy_from(&change.rows(0, UNKNOWNS));
+        mean.rows_mut(UNKNOWNS, rough).copy_from(&mixture.mean);
+        match of_term {
+            None => {
+                let quadric = problem.quadric.iter().zip(mean.iter_mut());
+                quadric.for_each(|(quadric, mean)| *mean += quadric);
+            }
+            Some(term) => {
+                // The surface is the implicit quadric z = Q + m z²/2 plus a series. The posterior contains only the
+                // coefficients of Q and of the series. Therefore convert a change of m to the change of the series that
+                // it causes: `term.derivative` per unit of m.
+                let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
+                let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
+                quadrics.fill_with_identity();
+                let mut products = merged.view_mut((UNKNOWNS, fixed), (rough, rough));
+                products.fill_with_identity();
+                let mut of_term = merged.view_mut((UNKNOWNS, UNKNOWNS), (rough, 1));
+                of_term.copy_from(&term.derivative);
+                covariance = product(&product(&merged, &covariance), &merged.transpose());
+                let mut products = mean.rows_mut(UNKNOWNS, rough);
+                products.axpy(change[UNKNOWNS], &term.derivative, 1.0);
+            }
+        }
+        Ok(Self {
+            mean,
+            covariance,
+            log_evidence,
+        })
     }
 }
 
@@ -212,10 +276,12 @@ impl Eliminated {
         let mut quadrics = part(0, 0, UNKNOWNS, UNKNOWNS);
         let mut cross = part(0, UNKNOWNS, UNKNOWNS, rough);
         let mut own = right.rows(0, UNKNOWNS).into_owned();
+        let mut square_sum = problem.equations.square;
         if let Some(term) = &problem.square_term {
             let products = gram.columns(UNKNOWNS, rough) * &term.derivative;
             let rest = products.rows(UNKNOWNS, rough);
-            let square = rest.dot(&term.derivative) + (term.prior * term.prior).recip();
+            let per_prior = (term.std * term.std).recip();
+            let square = rest.dot(&term.derivative) + per_prior;
             quadrics = quadrics.resize(UNKNOWNS + 1, UNKNOWNS + 1, square);
             for place in 0..UNKNOWNS {
                 quadrics[(place, UNKNOWNS)] = products[place];
@@ -224,6 +290,8 @@ impl Eliminated {
             cross = cross.insert_row(UNKNOWNS, 0.0);
             cross.row_mut(UNKNOWNS).tr_copy_from(&rest);
             let value = right.rows(UNKNOWNS, rough).dot(&term.derivative);
+            let value = value + term.shift * per_prior;
+            square_sum += term.shift * term.shift * per_prior;
             own = own.insert_row(UNKNOWNS, value);
             fixed += 1;
         }
@@ -234,9 +302,9 @@ impl Eliminated {
         add_symmetric(&mut left, &-cross.transpose(), &replaced.transpose());
         let rest = Rest {
             right: right.rows(UNKNOWNS, rough) - cross.tr_mul(&start),
-            square: problem.equations.square - own.dot(&start),
+            square: square_sum - own.dot(&start),
             gram: left,
-            degrees: problem.observations as f64 - fixed as f64,
+            degrees: problem.observations as f64 - UNKNOWNS as f64,
             is_known: problem.is_known,
             expected_amplitude: problem.expected_amplitude(&problem.quadric),
         };
@@ -284,7 +352,7 @@ pub(super) fn likeliest_process(problem: &SeriesProblem<'_>) -> Result<DMatrix<f
         gaussian_process::factors(length, problem.degree).matrix() * (sum.y / sum.x).sqrt();
     if let Some(term) = &problem.square_term {
         process = process.insert_column(0, 0.0);
-        process.set_column(0, &(&term.derivative * term.prior));
+        process.set_column(0, &(&term.derivative * term.std));
     }
     Ok(process)
 }
@@ -299,6 +367,8 @@ struct Mixture {
     mean: DVector<f64>,
     covariance: DMatrix<f64>,
     scale: f64,
+    /// Logarithm of the sum of the probabilities of all lengths and amplitudes.
+    log_evidence: f64,
 }
 
 impl Rest {
@@ -379,6 +449,7 @@ impl Rest {
             mean,
             covariance,
             scale,
+            log_evidence: most + libm::log(total),
         })
     }
 }
