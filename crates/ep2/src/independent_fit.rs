@@ -9,8 +9,7 @@ use crate::effective_readings::{
 };
 use crate::patch::{by_finger, check};
 use crate::{
-    Contact, Curvature, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, Shape, ShapeFit,
-    ShapeSettings, StrokeCurvature, stroke_curvature,
+    Contact, Ep2Error, Fit, MapPoint, Method, Patch, Penalised, StrokeCurvature, stroke_curvature,
 };
 
 /// Smallest number of contacts of a finger from which the correlation of its noise is estimated.
@@ -57,10 +56,6 @@ const MAX_PAIR_RATIO: f64 = 0.3;
 /// constant is the largest second difference on a smooth path. It is relative to the distance between the mean before
 /// and the mean after.
 const MAX_BEND: f64 = 0.25;
-/// A plane, a sphere and a cylinder are fitted for comparison with the surface. This constant is the largest number of
-/// contacts that these fits use.
-const MAX_COMPARED: usize = 2000;
-
 /// With at most this number of strokes, the heights do not determine the fourth derivative of the surface across the
 /// strokes.
 const MAX_FEW_STROKES: usize = 4;
@@ -163,25 +158,19 @@ impl IndependentFit {
         log.fit()
     }
 
-    /// If the contacts lie on a plane, a sphere or a cylinder, increases the standard errors until the curvature of
-    /// this shape is within one standard error of the estimate. On these shapes, the fitted surface is biased. The bias
-    /// can exceed the effect of the noise if there are many contacts, or if the surface between few strokes is
-    /// uncertain. Fits that are based on an implicit quadric do not change. A fit with a large standard error does not
-    /// change either: the standard error is large if it exceeds the largest difference between the curvatures of a
-    /// shape and of a paraboloid through the same contacts.
+    /// Increases the standard errors where the model of the fit is too simple.
     ///
-    /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is also compared with a penalised
-    /// spline. The mean square error of the quadric is at least the squared difference between both
-    /// estimates, plus the variance of the spline. Both methods are also compared with the fit around an implicit
-    /// quadric, such as an ellipsoid, if the contacts do not exclude this quadric.
+    /// A quadric (`is_quadric`) is biased on most other shapes. Therefore its estimate is compared with a penalised
+    /// spline. The mean square error of the quadric is at least the squared difference between both estimates, plus the
+    /// variance of the spline.
     ///
     /// Heights on up to four strokes, or heights and normals on two strokes, do not show whether the surface bends like
     /// a circle or like a parabola across the strokes. The standard error of the mean curvature is at least the
-    /// difference between circle and parabola.
+    /// difference between circle and parabola, also for exact contacts.
     ///
     /// # Errors
     /// [`Ep2Error::Undetermined`] for two strokes without normals, and the errors of [`Fit::centre`].
-    pub fn widen_to_shape(
+    pub fn widen_by_bias(
         &mut self,
         outward: &Vector3<f64>,
         is_quadric: bool,
@@ -199,39 +188,14 @@ impl IndependentFit {
         };
         let of_strokes = self.bias_across_strokes(&centre) / stds.mean_std;
         let is_rough = self.fit.effective_unknowns > MAX_QUADRIC_UNKNOWNS;
-        let of_strokes = match is_rough && of_strokes > 0.0 && !self.patch.has_normals() {
+        let factor = match is_rough && of_strokes > 0.0 && !self.patch.has_normals() {
             true => of_strokes.max(FEW_STROKES_FACTOR),
             false => of_strokes,
         };
-        if self.fit.mean.is_some() {
-            self.widen(of_strokes);
-            return Ok(());
-        }
-        let selection: Vec<Contact> = evenly_spaced(self.contacts.len(), MAX_COMPARED)
-            .map(|contact| self.contacts[contact])
-            .collect();
-        let settings = ShapeSettings {
-            outward: *outward,
-            ..ShapeSettings::default()
-        };
-        let curvature = centre.k_min.abs().max(centre.k_max.abs());
-        let sides = self.fit.domain.map(|[low, high]| high - low);
-        let angle = 0.5 * curvature * self.fit.frame.scale() * sides[0].max(sides[1]);
-        let is_precise = stds.mean_std < 0.25 * curvature * angle * angle;
-        let shape = is_precise.then(|| settings.fit(&selection).ok()).flatten();
-        let is_determined = |fit: &ShapeFit| fit.shape == Shape::Plane || fit.is_resolved();
-        let shape = shape.filter(|fit| !fit.is_none_of_these() && is_determined(fit));
         let spline = is_quadric.then(|| Penalised::default().fit(&self.patch).ok());
-        let spline = spline.flatten();
-        let of_spline = spline
-            .as_ref()
-            .and_then(|spline| spline.curvature_at(&centre.position).ok());
-        let of_shape = shape.map(|shape| Curvature {
-            uncertainty: None,
-            ..shape.point_at(&centre.position).curvature
-        });
-        let factors = [of_shape, of_spline].into_iter().flatten();
-        let factors = factors.map(|other| {
+        let curvature = |spline: Fit| spline.curvature_at(&centre.position).ok();
+        let of_spline = spline.flatten().and_then(curvature);
+        let of_bias = of_spline.map(|other| {
             let [mean_std, gaussian_std] = match other.uncertainty {
                 Some(other) => [other.mean_std, other.gaussian_std],
                 None => [0.0; 2],
@@ -240,7 +204,11 @@ impl IndependentFit {
             let of_gaussian = (other.gaussian - centre.curvature.gaussian).hypot(gaussian_std);
             (of_mean / stds.mean_std).max(of_gaussian / stds.gaussian_std)
         });
-        self.widen(factors.fold(of_strokes, f64::max));
+        let factor = of_bias.map_or(factor, |of_bias| of_bias.max(factor));
+        let posterior = self.fit.posterior.as_mut();
+        if let Some(posterior) = posterior.filter(|_| factor > 1.0 && factor.is_finite()) {
+            posterior.widen(factor * factor);
+        }
         Ok(())
     }
 
@@ -252,14 +220,6 @@ impl IndependentFit {
         self.readings.normal_correlation = 1.0;
         if let Some(noise) = &mut self.fit.noise {
             noise.normal_std_rad = None;
-        }
-    }
-
-    /// Multiplies the standard errors by `factor` if it is greater than 1.
-    fn widen(&mut self, factor: f64) {
-        let posterior = self.fit.posterior.as_mut();
-        if let Some(posterior) = posterior.filter(|_| factor > 1.0 && factor.is_finite()) {
-            posterior.widen(factor * factor);
         }
     }
 
@@ -305,8 +265,7 @@ impl IndependentFit {
             stroke.sort_unstable();
             stroke.iter().map(|&one| self.contacts[one]).collect()
         });
-        let strokes = strokes.collect();
-        (axis, strokes)
+        (axis, strokes.collect())
     }
 
     /// Assumed bias of the mean curvature at `centre`, 1/length: the difference between the mean curvatures of two

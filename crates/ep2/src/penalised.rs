@@ -25,7 +25,7 @@ use equations::{DEGREE, Equations, roughness_penalty};
 use roughness_posterior::{SeriesProblem, SquareTerm, likeliest_process};
 use series::SeriesEquations;
 use spectrum::Spectrum;
-use weight::{Choice, Search};
+use weight::Search;
 
 /// Largest number of knot intervals per side. With more intervals, computations with the dense matrices of the
 /// coefficients would take seconds.

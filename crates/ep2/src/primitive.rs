@@ -159,11 +159,6 @@ pub struct ShapeFit {
 }
 
 impl ShapeFit {
-    /// Whether the contacts determine the size of a sphere or a cylinder.
-    pub(crate) fn is_resolved(&self) -> bool {
-        self.radius.value.is_some()
-    }
-
     /// Whether the object is probably neither a plane nor a sphere nor a cylinder: the probability of "none of these"
     /// exceeds 0.5.
     pub fn is_none_of_these(&self) -> bool {

@@ -140,7 +140,7 @@ impl<'r> GlideFitResult<'r> {
                 };
                 let is_quadric = matches!(method, GlideFit::Quadric(_));
                 fitted
-                    .widen_to_shape(&outward, is_quadric)
+                    .widen_by_bias(&outward, is_quadric)
                     .map_err(refused)?;
                 if let Some(stroke) = single.as_ref().filter(|_| !recorded.has_normals()) {
                     fitted.without_normals(stroke);

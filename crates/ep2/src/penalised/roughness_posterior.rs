@@ -268,7 +268,6 @@ struct Eliminated {
 impl Eliminated {
     fn new(problem: &SeriesProblem<'_>) -> Result<Self, Ep2Error> {
         let (gram, right) = (&problem.equations.gram, &problem.equations.right);
-        let mut fixed = UNKNOWNS;
         let rough = count(problem.degree) - UNKNOWNS;
         let part = |row: usize, column: usize, rows: usize, columns: usize| {
             gram.view((row, column), (rows, columns)).into_owned()
@@ -293,7 +292,6 @@ impl Eliminated {
             let value = value + term.shift * per_prior;
             square_sum += term.shift * term.shift * per_prior;
             own = own.insert_row(UNKNOWNS, value);
-            fixed += 1;
         }
         let quadrics = quadrics.cholesky().ok_or(Ep2Error::OutOfRange)?;
         let replaced = quadrics.solve(&cross);

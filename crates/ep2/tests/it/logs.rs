@@ -284,7 +284,7 @@ fn strokes_are_counted_and_not_fingers() {
     let std = |log: &[Contact]| {
         let up = Vector3::z();
         let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up).unwrap();
-        fit.widen_to_shape(&up, false).unwrap();
+        fit.widen_by_bias(&up, false).unwrap();
         let centre = fit.fit.centre().unwrap();
         centre.curvature.uncertainty.unwrap().mean_std
     };
@@ -321,7 +321,7 @@ fn strokes_of_any_kind_give_the_right_curvature_or_an_error() {
     let up = Vector3::z();
     let mean = |log: &[Contact]| {
         let mut fit = IndependentFit::new(|_| Penalised::default(), log, None, &up)?;
-        fit.widen_to_shape(&up, false)?;
+        fit.widen_by_bias(&up, false)?;
         Ok::<_, Ep2Error>(fit.fit.centre()?.curvature.mean)
     };
     let mut random = Random::new(31);
