@@ -4,6 +4,7 @@
 use crate::samples::{QUADRIC_LIKE, Surface, Sweep, TORUS, Truth, Waves, grid};
 use nalgebra::{Point3, Vector3};
 use palpate_ep2::{Contact, Criterion, Curvature, Method, Patch, Penalised, Quadric};
+use palpate_sensing::{Channel, Stream};
 
 /// For each grid point, the estimated curvature and the true curvature.
 fn found(method: &dyn Method, surface: &Surface, sweep: &Sweep, trial: u64) -> Vec<[Curvature; 2]> {
@@ -153,6 +154,33 @@ fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
             );
         }
     }
+}
+
+/// Heights of three strokes along a wave a cos(qx), which an implicit quadric such as an ellipsoid fits about as well as
+/// a spline. The curvature at the middle is aq²/2.
+#[test]
+fn intervals_contain_the_curvature_of_waves_that_look_like_quadrics() {
+    let (amplitude, wave_number) = (1.4, 0.2 * std::f64::consts::PI / 3.0);
+    let is_held = |trial: &u64| {
+        let mut noise = Stream::new(45, *trial, Channel::Position);
+        let contacts = (0..300).map(|row| {
+            let x = f64::from(row % 100) / 5.5 - 9.0;
+            let place = [
+                x,
+                f64::from(8 * (row / 100) - 8),
+                amplitude * (wave_number * x).cos(),
+            ];
+            let place = place.map(|at| at + 0.05 * noise.standard_normal());
+            Contact::new(row as usize / 100, Point3::from(place), None)
+        });
+        let patch = Patch::new(&contacts.collect::<Vec<_>>(), &Vector3::z()).unwrap();
+        let fit = Penalised::default().fit(&patch).unwrap();
+        let found = fit.curvature_at(&Point3::origin()).unwrap();
+        let truth = 0.5 * amplitude * wave_number * wave_number;
+        (found.mean - truth).abs() < 1.96 * found.uncertainty.unwrap().mean_std
+    };
+    let held = (0..40).filter(is_held).count();
+    assert!(held >= 36, "{held}");
 }
 
 #[test]
