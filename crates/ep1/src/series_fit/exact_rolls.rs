@@ -16,7 +16,7 @@ const MIN_NOISE: f64 = 0.15;
 /// Noise of crossings above this value, in the same unit, makes pads alternate.
 const MAX_NOISE: f64 = 1.0;
 /// Prior weight of each standard deviation of the noise of crossings, relative to the weight of exact crossings.
-const NOISE_WEIGHT: f64 = 0.25;
+const NOISE_WEIGHT: f64 = 0.1;
 /// Crossings are not exact if the probability of exact crossings is below this value.
 const MIN_EXACT: f64 = 0.01;
 /// A fit with noise of crossings ends if the coefficients of the shape change by less than this value.
