@@ -194,7 +194,7 @@ shift_u_deg,q,rotation_x_rad,rotation_y_rad,shift_v\n1,2,3,4,5\n | - | :1 | sett
 a;b,c\n1;2,3\n | - | :1 | separated by semicolon or comma
 0,0,-0.5,4,0\n1,0.5,0,0,4\n | - | :1 | holds numbers
 probe,t_s,rotation_x_rad,rotation_y_rad,shift_u_mm,pad_v_mm\n | - | :1 | no column `pad_u`
-probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v\n0,1,0,0,0,0\n1,9,0,0,0,0\n0,1,0,-0.5,4,0\n | - | :4 | must increase, but 1 s follows 1 s
+probe,t_s,rotation_x_rad,rotation_y_rad,pad_u,pad_v\n0,1,0,0,0,0\n1,9,0,0,0,0\n0,1,0,-0.5,4,0\n | - | :4 | all rows of probe 0 have the same time
  \n | - | - | is empty
 probe,rotation_x_rad,rotation_y_rad,shift_u,shift_v\n | - | - | no readings
 probe,q0x,q0y,q0z,q0w,q1x,q1y,q1z,q1w,shift_u,shift_v\n | - | :1 | as two rows of a time series
