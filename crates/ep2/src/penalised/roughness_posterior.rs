@@ -233,14 +233,16 @@ impl Distribution {
                 // The surface is the implicit quadric z = Q + m z²/2 plus a series. The posterior contains only the
                 // coefficients of Q and of the series. Therefore convert a change of m to the change of the series that
                 // it causes: `term.derivative` per unit of m.
-                let mut merged = DMatrix::zeros(UNKNOWNS + rough, fixed + rough);
-                let mut quadrics = merged.view_mut((0, 0), (UNKNOWNS, UNKNOWNS));
-                quadrics.fill_with_identity();
-                let mut products = merged.view_mut((UNKNOWNS, fixed), (rough, rough));
-                products.fill_with_identity();
-                let mut of_term = merged.view_mut((UNKNOWNS, UNKNOWNS), (rough, 1));
-                of_term.copy_from(&term.derivative);
-                covariance = product(&product(&merged, &covariance), &merged.transpose());
+                let of_square = covariance.column(UNKNOWNS).remove_row(UNKNOWNS);
+                let variance = covariance[(UNKNOWNS, UNKNOWNS)];
+                let derivative = DVector::from_fn(UNKNOWNS + rough, |row, _| {
+                    row.checked_sub(UNKNOWNS)
+                        .map_or(0.0, |row| term.derivative[row])
+                });
+                covariance = covariance.remove_row(UNKNOWNS).remove_column(UNKNOWNS);
+                covariance.ger(1.0, &derivative, &of_square, 1.0);
+                covariance.ger(1.0, &of_square, &derivative, 1.0);
+                covariance.ger(variance, &derivative, &derivative, 1.0);
                 let mut products = mean.rows_mut(UNKNOWNS, rough);
                 products.axpy(change[UNKNOWNS], &term.derivative, 1.0);
             }
