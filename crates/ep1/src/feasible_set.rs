@@ -64,7 +64,8 @@ pub(crate) struct RollRows {
     /// The bounds, in the order of the pads' edges to which they belong.
     pub(crate) rows: Vec<EdgeRow>,
     pub(crate) is_start_known: bool,
-    /// Exponent of the roll's probability in the distribution of the mobility.
+    /// Exponent of the roll's probability: 1/n if n rolls change pads at the same samples. They share the errors of these
+    /// changes, so together they count as one roll.
     pub(crate) share: f64,
 }
 

@@ -48,7 +48,8 @@ const PATH_ERROR: f64 = 2e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct BoundedRoll {
     pub(crate) is_start_known: bool,
-    /// Weight of the roll in the distribution of the mobility: the exponent of its probability.
+    /// Exponent of the roll's probability: 1/n if n rolls change pads at the same samples. They share the errors of these
+    /// changes, so together they count as one roll.
     pub(crate) share: f64,
     /// Contact point at the start of the roll, or a first guess of it, in radii of the probe.
     pub(crate) start: Vector2<f64>,

@@ -362,14 +362,15 @@ impl<const N: usize> RollFit<N> {
 }
 
 impl SeriesFit<3> {
-    /// Logarithm of the evidence, the probability density of the crossings for the noise of this fit, up to a constant.
+    /// Logarithm of the evidence for the noise that this fit assumes, up to a constant. The evidence is the probability
+    /// density of the crossings, integrated over all shapes, starts and rotation errors (Laplace's approximation).
     pub(crate) fn log_evidence(&self) -> f64 {
         let (mut evidence, mut gradient) = (-0.5 * self.chi_squared, SVector::zeros());
         for roll in &self.rolls {
             evidence += roll.log_weights;
             gradient += roll.gradient;
         }
-        // The chi-squared is that before the last step.
+        // Chi-squared was computed before the last step of the fit. Add the effect of this step.
         evidence += 0.5 * gradient.dot(&(self.covariance * gradient));
         evidence - 0.5 * libm::log(self.information.determinant())
     }

@@ -24,8 +24,9 @@ const OUTLIER_LEVEL: f64 = 1e-3;
 const EXACT_LEVEL: f64 = 0.05;
 /// The curvature changes along the rolls if the p-value of its change is below this value.
 const CHANGE_LEVEL: f64 = 3e-3;
-/// If chi-squared is too large even with a change of the curvature, the change is significant only if it reduces
-/// chi-squared at least to this share. Otherwise, the noise may be larger than stated.
+/// The residuals may exceed the noise even if the curvature changes. The change is then significant only if chi-squared
+/// with the change, divided by chi-squared without it, is at most this value. At a larger ratio, the noise may be larger
+/// than stated.
 const MAX_REST: f64 = 0.1;
 /// If the object may be a paraboloid, and the estimate would then be wrong by more standard errors than this value, the
 /// readings do not show whether the curvature changes.
@@ -192,8 +193,8 @@ impl Problem<'_> {
     }
 
     /// P-value of a change of the curvature along the rolls. `None` if the change is not significant, or if chi-squared
-    /// falls more without the roll `worst` than with the change. The second result is whether the readings do not show
-    /// if the curvature changes. `fit` is the fit of a constant curvature.
+    /// falls more without the roll `worst` than with the change, after the penalty of 2 for each additional coefficient.
+    /// The second result is whether the readings do not show if the curvature changes. `fit` is the fit of a constant curvature.
     fn change(
         &self,
         data: &[RollData],
@@ -210,7 +211,7 @@ impl Problem<'_> {
         let p_value = |(fall, more): (f64, usize)| {
             let rest = (fit.chi_squared - fall).max(0.0);
             let freedom = fit.freedom.saturating_sub(more);
-            // If the residuals are too large for the noise even with the change, the change must explain most of them.
+            // If the residuals exceed the noise even with the change, compare the change with the remaining residuals.
             match rest > freedom.max(1) as f64 {
                 true if rest > MAX_REST * fit.chi_squared => 1.0,
                 true => ratio_tail(fall, more, rest, freedom),
@@ -219,7 +220,7 @@ impl Problem<'_> {
         };
         let changed = fit.changed(data, noise);
         let falls = changed.falls.into_iter().filter(is_better);
-        // The smallest of three p-values is below the level three times as often as each of them.
+        // Multiply by the number of tests (Bonferroni).
         let p_value = 3.0 * falls.map(p_value).fold(1.0, f64::min);
         let change = (p_value < CHANGE_LEVEL).then_some(p_value);
         (change, changed.of_paraboloid > MAX_CHANGE)
@@ -388,8 +389,9 @@ impl Problem<'_> {
     fn p_values<const N: usize>(&mut self, data: &[RollData], fit: &SeriesFit<N>) -> Option<usize> {
         let lengths = fit.rolls.iter().map(|roll| roll.end.norm());
         let longest = lengths.fold(0.0, f64::max);
-        // If the noise is not stated, residuals that are very small or that contradict the noise model are errors of the
-        // contact model. Then no roll is an outlier.
+        // If the noise is estimated, rolls are not tested as outliers in two cases: if the residuals are so small that they
+        // may be errors of the contact model, or if they contradict the noise model, so that their scatter does not
+        // measure the noise.
         let is_small = |noise: EstimatedNoise| noise.mean_square.sqrt() < MIN_RESIDUAL * longest;
         let is_untested = |noise: EstimatedNoise| noise.misfit.is_some() || is_small(noise);
         if fit.estimated.is_some_and(is_untested) {

@@ -42,8 +42,9 @@ const MAX_UNKNOWN_SHARE: f64 = 0.6;
 /// spline, by at least this number. Therefore it can represent shapes that the spline cannot.
 const EXTRA_COEFFICIENTS: usize = 5;
 
-/// Two surfaces describe the contacts: a spline, and a spline that is added to an implicit quadric. If their deviances
-/// (−2 ln of the likelihood) differ by more than this value, the posterior does not contain the less probable surface.
+/// Two models describe the surface: a spline alone, and an implicit quadric plus a spline. If their deviances (−2 ln of
+/// the likelihood) differ by more than this value, the posterior is that of the more probable model; otherwise it is the
+/// weighted mean of both.
 const DECISIVE_DEVIANCE: f64 = 28.0;
 
 /// Largest number of effective degrees of freedom of a spline that is added to an implicit quadric. A larger number

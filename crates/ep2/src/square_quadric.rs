@@ -89,8 +89,7 @@ pub(crate) struct SquareQuadric {
     /// The coefficient m of the implicit quadric z = Q + m z²/2, in the patch's unit of length. It is 0 if the surface
     /// is the ordinary quadric z = Q.
     pub(crate) square_term: f64,
-    /// −2 ln of the factor by which the prior of m and the range of probable m reduce the likelihood of the surface;
-    /// 0 for an ordinary quadric.
+    /// Addition to the deviance (−2 ln of the likelihood), because m is unknown and has a prior; 0 for an ordinary quadric.
     pub(crate) square_term_deviance: f64,
     pub(crate) covariance: Gram,
     pub(crate) variances: Variances,

@@ -30,13 +30,15 @@ const MAX_SHARE: f64 = 0.2;
 const MAX_STEPS: f64 = 3.0;
 /// In this test, the longest step counts as at least this fraction of the probe's radius.
 const MIN_STEP: f64 = 0.01;
-/// A column counts as held only if it changes at least this often.
-const MIN_CHANGES: usize = 12;
-/// A rotation or a contact counts as held if at least this share of its runs of equal values have the median length,
-/// within one row.
+/// Smallest number of intervals between two changes of a reading, in all rolls together, from which the update interval of
+/// the sensor is estimated.
+const MIN_INTERVALS: usize = 12;
+/// A reading is held if several rows repeat it until the sensor's next update. A rotation or a contact counts as held if at
+/// least this share of its runs of equal values have the median length ± 1 row.
 const MIN_HELD_SHARE: f64 = 0.9;
 /// Active pads count as held only if the median number of rows between two changes is at least this multiple of the
-/// number of rows of a held reading. Otherwise the pads may change at equal intervals.
+/// number of rows of a held reading. At a smaller ratio, the intervals between changes may be equal because the contact
+/// crosses the pads at a constant speed.
 const MIN_HELD_RATIO: usize = 3;
 /// A single sample on another pad counts as stale only if at least this number of samples before and after it are on
 /// one pad.
@@ -160,7 +162,8 @@ impl RollRecording {
     }
 
     /// Leaves out samples that repeat earlier readings, with warnings. If a sensor updates its readings less often than
-    /// rows are written, the rows between two updates repeat held readings. A single sample may also repeat an old pad.
+    /// rows are written, the rows between two updates repeat held readings. A single sample may also be on a
+    /// wrong pad, for example an old one.
     pub(super) fn leave_out_repeated_samples(&mut self) {
         let Some(mut series) = self.series.take() else {
             return;
@@ -172,7 +175,7 @@ impl RollRecording {
                 roll.samples = fresh.into_iter().map(|at| roll.samples[at]).collect();
             }
             format!(
-                "readings are held for {rows} rows; {} of {total} samples are left out because they repeat held readings",
+                "the sensor updates its readings only every {rows} rows; {} of {total} samples repeat earlier readings and are left out",
                 total - count
             )
         });
@@ -187,7 +190,7 @@ impl RollRecording {
         let stale = (!stale.is_empty()).then(|| {
             let stale = listed(stale.into_iter());
             format!(
-                "a single sample on another pad, while the contact moves on, is left out: {stale}"
+                "left out, because the samples before and after are all on one other pad: {stale}"
             )
         });
         if held.is_some() || stale.is_some() {
@@ -333,11 +336,11 @@ fn hold_of(changes: &[Vec<usize>], is_pad: bool) -> Option<usize> {
         }
         false => (usual, is_steady),
     };
-    (hold > 1 && count >= MIN_CHANGES && is_sure).then_some(hold)
+    (hold > 1 && count >= MIN_INTERVALS && is_sure).then_some(hold)
 }
 
-/// Indices of single samples that are on another pad than many samples before and after them, although the probe turns
-/// steadily and no edge is near.
+/// Indices of single samples on another pad than the samples before and after them, which are all on one pad. Samples are
+/// not in the result if pads alternate at an edge, or if the probe turns back.
 fn stale_samples(samples: &[RollSample]) -> Vec<usize> {
     let runs: Vec<_> = samples
         .chunk_by(|one, next| one.place == next.place)

@@ -23,7 +23,7 @@ use super::single_direction::single_direction;
 /// because numbers in files are rounded.
 const MAX_PAD_ERROR: f64 = 0.02;
 
-/// Largest number of digits after the point of centres of pads that may be rounded.
+/// Centres of pads with at least this number of digits after the point count as exact, not as rounded.
 const MAX_DIGITS: i32 = 7;
 /// The pitch is at least this multiple of the last digit of rounded centres of pads.
 const MIN_DIGITS_PER_PITCH: f64 = 5.0;
@@ -78,7 +78,8 @@ impl SeriesReadings {
         self.rolls.iter().filter_map(ends).collect()
     }
 
-    /// If the centres of the pads are a lattice with rounded coordinates, replaces them by the exact lattice.
+    /// Replaces the centres of the pads by the points of an exact lattice, if they equal these points within their
+    /// rounding errors.
     pub(super) fn snap_to_lattice(&mut self, cell: &PadCell) {
         let samples = || self.rolls.iter().flat_map(|roll| &roll.samples);
         let Some(first) = samples().next().map(|one| one.place) else {

@@ -321,8 +321,8 @@ fn best_split(contacts: &[Contact], terms: &[Terms], lines: usize) -> Option<Spl
 /// contact joins the first group if the surface of this group is the higher one at the contact (the lower one if `sign`
 /// is −1). A division with a smaller information criterion than `best` replaces `best`.
 ///
-/// `is_first` states which contacts are in the first group at the start. `sum` is the sum of the products of these
-/// contacts, and `total` the sum of the products of all contacts.
+/// `is_first` states which contacts are in the first group at the start. `sum` is the sum of the [`Terms::products`]
+/// of these contacts, and `total` the sum for all contacts.
 fn search<const N: usize>(
     best: &mut Option<Split>,
     (mut is_first, mut sum): (Vec<bool>, Products),

@@ -9,11 +9,13 @@ use crate::rolled_path::{LocalShape, drive_of};
 use crate::series_estimate::Uncertainty;
 use crate::{PadCell, RollSeries, SeriesError, SeriesEstimate};
 
-/// Exact crossings of pad edges may still have noise, because the contact between pads is uncertain. Fits with several
-/// standard deviations of this noise are compared. This constant is the smallest of them, divided by the root mean
-/// square of the distances in which the active pad changes. Each further standard deviation is twice as large.
+/// Even if the rotations are exact, crossings of pad edges may have noise: the active pad may change a little before or
+/// after the contact reaches the edge. Fits with several standard deviations of this noise are compared. This constant is
+/// the smallest of them, divided by the root mean square distance that the contact moves between the last sample on one
+/// pad and the first sample on the next. Each further standard deviation is twice as large.
 const MIN_NOISE: f64 = 0.15;
-/// Noise of crossings above this value, in the same unit, makes pads alternate.
+/// The last compared standard deviation is the first above this multiple of the same distance. With a larger noise, pads
+/// beside an edge would be active alternately. If they are, larger standard deviations are compared too.
 const MAX_NOISE: f64 = 1.0;
 /// Prior weight of each standard deviation of the noise of crossings, relative to the weight of exact crossings.
 const NOISE_WEIGHT: f64 = 0.1;
@@ -66,7 +68,8 @@ impl Problem<'_> {
             if self.leaves_out(worst) {
                 return self.estimate();
             }
-            // Large noise of the contact would make pads alternate.
+            // If the largest noise fits best, pads would alternate at edges. They do not, so the noise does not explain the
+            // readings.
             if worst.is_some() || (best + 1 == fits.len() && !alternates) {
                 return Err(match self.change(data, noise, first, None).0 {
                     Some(p_value) => SeriesError::ChangingCurvature { p_value },
@@ -104,8 +107,8 @@ impl Problem<'_> {
         Ok(found)
     }
 
-    /// Fits with increasing noise of the contact at the crossings, each with the logarithm of its evidence. The first
-    /// fit has no such noise.
+    /// Pairs of the logarithm of the evidence and the fit, for increasing noise of the crossings. The first fit assumes no
+    /// such noise.
     fn noisy_fits(
         &self,
         data: &[RollData],

@@ -48,11 +48,12 @@ struct Candidate {
 }
 
 impl Problem<'_> {
-    /// The estimate, `None` if its fit does not converge, and the roll that contradicts the other rolls most. `first` is
-    /// the fit of a constant curvature.
+    /// The estimate, and the roll that contradicts the other rolls most. The estimate is a weighted mean over the rates. It
+    /// is `None` if its fits do not converge. `first` is the fit of a constant curvature.
     ///
-    /// Polynomials with one to three terms are fitted without priors. Akaike's information criterion selects one of
-    /// these fits, which determines the reported number of terms, the noise and the outlier.
+    /// First, polynomials with one to three terms are fitted without priors. Akaike's information criterion selects one of
+    /// these fits, which determines the reported number of terms and the noise. If its residuals contradict the noise
+    /// model, the estimate is that of a constant curvature.
     pub(super) fn trajectory(
         &mut self,
         data: &[RollData],
@@ -206,9 +207,9 @@ struct Rated {
     at: Coefficients,
     /// Information matrix of the readings, without the prior.
     information: Square,
-    /// Half of the derivative of the readings' chi-squared with respect to the coefficients, with the opposite sign.
+    /// Minus half of the gradient of the readings' chi-squared.
     gradient: Coefficients,
-    /// Chi-squared of the readings, without the prior.
+    /// Chi-squared of the readings. It does not contain the prior.
     chi_squared: f64,
 }
 

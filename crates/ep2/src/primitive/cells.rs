@@ -20,8 +20,8 @@ const MAX_ROUNDING_RATIO: f64 = 2.0;
 /// below [`MIN_ROUNDING_P_VALUE`].
 const MIN_ROUNDING_SHARE: f64 = 0.25;
 const MIN_ROUNDING_P_VALUE: f64 = 0.01;
-/// Two contacts have the same rounding error if their distances from the shape differ by less than this value, divided by
-/// the root mean square distance of all contacts.
+/// Largest difference between the distances of two contacts from the shape at which both have the same rounding error. It is
+/// relative to the root mean square distance of all contacts.
 const MAX_DIFFERENCE: f64 = 1e-6;
 /// Largest number of different rounding errors, divided by the number of contacts. If there are more, equal errors may be
 /// equal by chance, and all errors count as different.
