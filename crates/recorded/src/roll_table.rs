@@ -182,7 +182,7 @@ fn read_rolls(file: &RecordedFile) -> Result<(RollRecording, bool), RecordedErro
     let mut notes = sheet.source.notes.clone();
     if equal_times > 0 {
         let text = format!(
-            "{equal_times} rows have the same time as the row before, although their readings differ; the order of the rows is used, and rows with equal times are spread evenly until the next time"
+            "rows with the same time as the row before, although their readings differ: {equal_times}; the order of the rows is used, and rows with equal times are spread evenly until the next time"
         );
         notes.push(Warning::new("time-order", text, []));
     }

@@ -132,7 +132,9 @@ impl Problem<'_> {
             let evidence = fit.log_evidence();
             let is_less = all.last().is_some_and(|last| evidence < last.0);
             all.push((evidence, fit));
-            if contact_std > MAX_NOISE * unit && (is_less || !alternates) {
+            let is_large = contact_std > MAX_NOISE * unit && (is_less || !alternates);
+            // If the probe does not turn where the active pad changes, the rotations are not exact, and `unit` is 0.
+            if is_large || unit == 0.0 {
                 break;
             }
             contact_std = (2.0 * contact_std).max(MIN_NOISE * unit);

@@ -4,8 +4,8 @@
 use approx::assert_relative_eq;
 use nalgebra::{Vector2, Vector3};
 use palpate_ep1::{
-    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesMethod, SeriesNoise,
-    estimate_series,
+    Exclusion, PadCell, Places, Quantity, RollSample, RollSeries, SeriesError, SeriesMethod,
+    SeriesNoise, estimate_series,
 };
 use palpate_geometry::{Cylinder, Shape, ShapeThresholds, Surface};
 
@@ -392,6 +392,27 @@ fn noise_of_crossings_is_estimated() {
         held += i32::from(distance.abs() < 1.0);
     }
     assert!(held >= 53, "{held} of {trials}");
+}
+
+/// The rotations jump once between two values, and do not change at the crossings of pad edges.
+#[test]
+fn rotations_that_jump_are_a_contradiction() {
+    let mut rolls = without_starts(&rolls(47.0, &SQUARE, 0.3, &mut Draws(3)));
+    for roll in &mut rolls {
+        let (middle, end) = (roll.samples.len() / 2, roll.samples[roll.samples.len() - 1]);
+        for (at, sample) in roll.samples.iter_mut().enumerate() {
+            sample.rotation = if at < middle {
+                Vector3::zeros()
+            } else {
+                end.rotation
+            };
+        }
+    }
+    let found = on_squares(SeriesMethod::PadEdge, &EXACT, &rolls);
+    assert!(
+        matches!(found, Err(SeriesError::Contradiction { .. })),
+        "{found:?}"
+    );
 }
 
 #[test]
