@@ -160,8 +160,9 @@ fn intervals_contain_the_truth_for_nearly_quadric_surfaces() {
 /// a spline. The curvature at the middle is aq²/2.
 #[test]
 fn intervals_contain_the_curvature_of_waves_that_look_like_quadrics() {
-    let (amplitude, wave_number) = (1.4, 0.2 * std::f64::consts::PI / 3.0);
+    let wave_number = 0.2 * std::f64::consts::PI / 3.0;
     let is_held = |trial: &u64| {
+        let amplitude = 0.7 + 0.03 * *trial as f64;
         let mut noise = Stream::new(45, *trial, Channel::Position);
         let contacts = (0..300).map(|row| {
             let x = f64::from(row % 100) / 5.5 - 9.0;
@@ -180,7 +181,7 @@ fn intervals_contain_the_curvature_of_waves_that_look_like_quadrics() {
         (found.mean - truth).abs() < 1.96 * found.uncertainty.unwrap().mean_std
     };
     let held = (0..40).filter(is_held).count();
-    assert!(held >= 36, "{held}");
+    assert!(held >= 38, "{held}");
 }
 
 #[test]
